@@ -1,0 +1,15 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace trunnion::app {
+
+/// Exit statuses of the program.
+enum ExitStatus : int { done = 0, not_usable = 1, bad_input = 2, own_fault = 3, interrupted = 130 };
+
+/// Each adds one subcommand; when it is called it leaves its exit status in `status`.
+void add_plan_command(CLI::App& app, int& status);
+void add_check_command(CLI::App& app, int& status);
+void add_machine_command(CLI::App& app, int& status);
+
+}  // namespace trunnion::app

@@ -1,0 +1,139 @@
+#include "job.hpp"
+
+#include <chrono>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "trunnion/base/quantity.hpp"
+#include "trunnion/files/shipped_machines.hpp"
+#include "trunnion/files/setup_file.hpp"
+#include "trunnion/nc/read.hpp"
+
+namespace trunnion::app {
+
+void JobOptions::add_to(CLI::App& command) {
+    command.add_option("-m,--machine", machine, "shipped machine by name, or a machine file");
+    command.add_option("--setup", setup, "setup file: workpiece, tools, offsets");
+    command.add_option("--units", units, "overrides the unit that the program states")->check(CLI::IsMember({"mm", "inch"}));
+    command.add_option("--dialect", dialect, "instead of recognising it by content")->check(CLI::IsMember({"apt", "rs274"}));
+    command.add_option("--tip-tolerance", tip_tolerance, "of the controlled point")->capture_default_str();
+    command.add_option("--orientation-tolerance", orientation_tolerance, "of the tool axis")->capture_default_str();
+    command.add_option("--flank-tolerance", flank_tolerance, "of the point at the flank height, instead of an angle");
+    command.add_option("--flank-height", flank_height, "how far up the tool that point is")->capture_default_str();
+    command.add_flag("-q,--quiet", quiet, "no warnings, no progress");
+}
+
+void JobOptions::add_planning_to(CLI::App& command) {
+    command.add_option("--rounding", rounding, "none: exact stop at every corner")
+        ->check(CLI::IsMember({"smooth", "none"}))
+        ->capture_default_str();
+    command.add_option("--calm", calm, "weight of smoothness against time, 0 … 1")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    command.add_option("--feed-override", feed_override, "of all programmed feeds")->capture_default_str();
+    command.add_option("--feed", feed, "replaces programmed feeds, e.g. 20m/min");
+    command.add_option("--jerk-margin", jerk_margin, "share of the axes' jerk to leave unused")->capture_default_str();
+    command.add_option("--period", period, "time between setpoints")->capture_default_str();
+}
+
+namespace {
+
+Result<double> option_value(const char* name, const std::string& text, Dimension wanted) {
+    auto value = parse_quantity(text, wanted);
+    if (value) return value;
+    auto error = value.error();
+    error.text = fmt::format("{}: {}", name, error.text);
+    return fail(error);
+}
+
+/// Sets `target` unless the option is empty or wrong.
+Result<void> set(double& target, const char* name, const std::string& text, Dimension wanted) {
+    if (text.empty()) return {};
+    const auto value = option_value(name, text, wanted);
+    if (!value) return fail(value.error());
+    target = *value;
+    return {};
+}
+
+Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
+    pipeline::PlanOptions out;
+    auto& smoothing = out.smoothing;
+    smoothing.rounding = job.rounding == "none" ? smoothing::Rounding::none : smoothing::Rounding::smooth;
+    double feed_mm_s = 0;
+    const Result<void> parts[] = {
+        set(smoothing.tip_tolerance_mm, "--tip-tolerance", job.tip_tolerance, dimension::length),
+        set(smoothing.orientation_tolerance_rad, "--orientation-tolerance", job.orientation_tolerance, dimension::angle),
+        set(smoothing.flank_tolerance_mm, "--flank-tolerance", job.flank_tolerance, dimension::length),
+        set(smoothing.flank_height_mm, "--flank-height", job.flank_height, dimension::length),
+        set(out.feed_override, "--feed-override", job.feed_override, dimension::ratio),
+        set(out.feed.jerk_margin, "--jerk-margin", job.jerk_margin, dimension::ratio),
+        set(out.period_s, "--period", job.period, dimension::time),
+        set(feed_mm_s, "--feed", job.feed, dimension::velocity)};
+    for (const auto& part : parts)
+        if (!part) return fail(part.error());
+    if (!job.feed.empty()) out.feed_mm_s = feed_mm_s;
+    out.feed.calm = job.calm;
+    return out;
+}
+
+/// The machine is never guessed.
+Result<machine::Machine> machine_of(const JobOptions& options) {
+    if (!options.machine.empty()) return files::find_machine(options.machine, machine_folders());
+    std::string shipped;
+    for (const auto& machine : files::shipped_machines(machine_folders())) shipped += " " + machine.name;
+    return fail({.code = "PIPE0004", .text = "no machine given", .hint = fmt::format("give -m with a file or one of:{}", shipped)});
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> machine_folders() {
+    std::vector<std::filesystem::path> out;
+    std::error_code error;
+    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (!error) out.push_back(self.parent_path().parent_path() / "share/trunnion/machines");
+    out.push_back(std::filesystem::path(TRUNNION_INSTALL_DATA_DIR) / "machines");
+    out.push_back(std::filesystem::path(TRUNNION_SOURCE_DATA_DIR) / "machines");
+    return out;
+}
+
+Result<Job> load(const JobOptions& options) {
+    auto plan = plan_options(options);
+    if (!plan) return fail(plan.error());
+    auto machine = machine_of(options);
+    if (!machine) return fail(machine.error());
+    machine::Setup setup;
+    if (!options.setup.empty()) {
+        auto read = files::read_setup_file(options.setup);
+        if (!read) return fail(read.error());
+        setup = std::move(*read);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    nc::ReadOptions reading;
+    reading.machine = &*machine;
+    reading.feed_given_elsewhere = !options.feed.empty();
+    if (!options.dialect.empty()) reading.dialect = nc::dialect_named(options.dialect);
+    if (options.units == "mm") reading.units = nc::Units::mm;
+    if (options.units == "inch") reading.units = nc::Units::inch;
+    auto program = nc::read_program_file(options.program, reading);
+    if (!program) return fail(program.error());
+    const double read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (options.setup.empty())
+        program->diagnostics.push_back({.code = "PIPE0101",
+                                        .severity = Severity::warning,
+                                        .text = "no setup given: program zero at the machine zero, tool length 0",
+                                        .hint = "give --setup"});
+    return Job{std::move(*program), std::move(*machine), std::move(setup), std::move(*plan), read_s};
+}
+
+void print(const Diagnostic& diagnostic, bool quiet) {
+    if (quiet && diagnostic.severity != Severity::error) return;
+    fmt::print(stderr, "{}\n", to_string(diagnostic));
+}
+
+int report_failure(const Diagnostic& diagnostic) {
+    print(diagnostic);
+    if (diagnostic.code == "PIPE0002") return interrupted;
+    return diagnostic.code == "PIPE0003" ? own_fault : bad_input;
+}
+
+}  // namespace trunnion::app

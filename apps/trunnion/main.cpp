@@ -1,0 +1,28 @@
+#include <cstdio>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "commands.hpp"
+
+int main(int argc, char** argv) {
+    using namespace trunnion::app;
+    int status = done;
+    CLI::App app("Trunnion: from a 5-axis part program to motion that the machine can really make.", "trunnion");
+    app.set_version_flag("--version", "trunnion " TRUNNION_VERSION);
+    app.require_subcommand(1);
+    app.footer("Lengths, angles, feeds and times carry their unit: 20um, 0.1deg, 20m/min, 1ms.\n"
+               "Exit status: 0 done, 1 done but a limit or tolerance is broken, 2 bad input or usage, 3 a fault of ours.");
+    add_plan_command(app, status);
+    add_check_command(app, status);
+    add_machine_command(app, status);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? done : bad_input;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "error: {}\n", error.what());
+        return own_fault;
+    }
+    return status;
+}

@@ -1,0 +1,82 @@
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "commands.hpp"
+#include "job.hpp"
+#include "trunnion/pipeline/plan_files.hpp"
+#include "trunnion/verify/programmed_csv.hpp"
+
+namespace trunnion::app {
+
+namespace {
+
+volatile std::sig_atomic_t stop_wanted = 0;
+
+struct PlanCommand {
+    JobOptions job;
+    std::string setpoints, summary, path, programmed, events;
+};
+
+/// Shows the share done on a terminal; false when the user wants to stop.
+bool show_progress(double share, bool visible) {
+    if (visible) fmt::print(stderr, "\r{:3.0f} % planned{}", 100 * share, share >= 1 ? "\r                \r" : "");
+    return stop_wanted == 0;
+}
+
+Result<void> write_programmed(const PlanCommand& command, const Job& job) {
+    if (command.programmed.empty()) return {};
+    auto poses = verify::programmed_poses(job.program, job.machine, job.setup);
+    if (!poses) return fail(poses.error());
+    return pipeline::write_text_file(command.programmed, verify::programmed_csv(*poses, job.machine));
+}
+
+Result<pipeline::Summary> run(const PlanCommand& command) {
+    auto job = load(command.job);
+    if (!job) return fail(job.error());
+    job->options.path_samples = !command.path.empty();
+    const bool visible = !command.job.quiet && isatty(STDERR_FILENO) != 0;
+    auto files = pipeline::PlanFiles::create({command.setpoints, command.path, command.events}, job->machine,
+                                             [visible](double share) { return show_progress(share, visible); });
+    if (!files) return fail(files.error());
+    auto summary = pipeline::plan(job->program, job->machine, job->setup, job->options, **files);
+    if (!summary) return summary;
+    summary->work.read_s = job->read_s;
+    if (auto written = (*files)->commit(); !written) return fail(written.error());
+    if (auto written = write_programmed(command, *job); !written) return fail(written.error());
+    if (!command.summary.empty())
+        if (auto written = pipeline::write_text_file(command.summary, to_json(*summary)); !written) return fail(written.error());
+    return summary;
+}
+
+int plan_and_report(const PlanCommand& command) {
+    std::signal(SIGINT, [](int) { stop_wanted = 1; });
+    const auto summary = run(command);
+    if (!summary) return report_failure(summary.error());
+    for (const Diagnostic& diagnostic : summary->diagnostics) print(diagnostic, command.job.quiet);
+    fmt::print("{}", summary->report());
+    return summary->usable() ? done : not_usable;
+}
+
+}  // namespace
+
+void add_plan_command(CLI::App& app, int& status) {
+    auto command = std::make_shared<PlanCommand>();
+    CLI::App* plan = app.add_subcommand("plan", "part program → jerk-limited axis setpoints and a summary");
+    plan->add_option("program", command->job.program, "part program: APT CL data or RS-274 (LinuxCNC)")->required();
+    plan->add_option("-o,--output", command->setpoints, "setpoints: .csv, .csv.gz or .npy");
+    plan->add_option("--summary", command->summary, "summary as JSON");
+    plan->add_option("--path", command->path, "path samples as CSV");
+    plan->add_option("--programmed", command->programmed, "programmed poses as CSV");
+    plan->add_option("--events", command->events, "events as CSV");
+    command->job.add_to(*plan);
+    command->job.add_planning_to(*plan);
+    plan->footer("Example:\n  trunnion plan part.ngc -m xyzac-trt --setup vice.toml -o setpoints.csv --summary s.json");
+    plan->callback([command, &status] { status = plan_and_report(*command); });
+}
+
+}  // namespace trunnion::app

@@ -1,0 +1,125 @@
+#include "detail/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "detail/rest_arc.hpp"
+
+namespace trunnion::feed {
+namespace {
+
+using motion::ProfilePiece;
+using Samples = std::array<double, samples_per_interval>;
+
+/// ṗ² and what the limits need of it: x, x′, √x, x″√x (= 2 p⃛; finite at rest).
+struct Motion {
+    double x, d, root, e_root;
+};
+
+Motion arc_motion(double u, double sign, double jerk) {
+    const double alpha = arc_alpha(jerk), u13 = std::cbrt(u), x = alpha * u * u13;
+    return {x, sign * 4.0 / 3 * alpha * u13, std::sqrt(x), 2 * jerk};
+}
+
+Motion motion_at(const ProfilePiece& piece, double delta) {
+    if (piece.kind == ProfilePiece::Kind::rest_start) return arc_motion(delta, 1, piece.jerk_mm_s3);
+    if (piece.kind == ProfilePiece::Kind::rest_stop) return arc_motion(piece.length_mm - delta, -1, piece.jerk_mm_s3);
+    const double third = (piece.e1 - piece.e0) / piece.length_mm, e = piece.e0 + delta * third;
+    const double x = piece.x0 + delta * (piece.d0 + delta * (piece.e0 / 2 + delta * third / 6));
+    const double root = std::sqrt(std::max(x, 0.0));
+    return {x, piece.d0 + delta * (piece.e0 + delta * third / 2), root, e * root};
+}
+
+/// Largest |f| by the samples and by the parabolas through every three of them that turn near the limit; infinite where
+/// a sample is not finite.
+double peak(const Samples& f) {
+    constexpr double near = 0.97;
+    if (!std::isfinite(std::accumulate(f.begin(), f.end(), 0.0))) return std::numeric_limits<double>::infinity();
+    double largest = std::max(std::abs(f.front()), std::abs(f.back()));
+    for (int i = 1; i + 1 < samples_per_interval; ++i) {
+        largest = std::max(largest, std::abs(f[i]));
+        if (std::abs(f[i]) < near) continue;
+        const double bend = f[i - 1] - 2 * f[i] + f[i + 1], tilt = (f[i + 1] - f[i - 1]) / 2;
+        if (std::abs(tilt) < std::abs(bend)) largest = std::max(largest, std::abs(f[i] - tilt * tilt / (2 * bend)));
+    }
+    return largest;
+}
+
+}  // namespace
+
+double Peaks::worst() const {
+    return std::max({feed, *std::ranges::max_element(velocity), *std::ranges::max_element(acceleration), *std::ranges::max_element(jerk)});
+}
+
+Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits) {
+    std::array<Motion, samples_per_interval> m;
+    Peaks out;
+    for (int i = 0; i < samples_per_interval; ++i) {
+        m[i] = motion_at(piece, piece.length_mm * i / (samples_per_interval - 1));
+        out.feed = std::max(out.feed, m[i].root / std::sqrt(interval.samples[i].feed_cap));
+    }
+    for (int a = 0; a < limits.count; ++a) {
+        const machine::AxisLimits& limit = limits.axes[a];
+        const double per_acceleration = 1 / limit.acceleration, per_jerk = 1 / limit.jerk;
+        Samples velocity, acceleration, jerk;
+        for (int i = 0; i < samples_per_interval; ++i) {
+            const PathSample& s = interval.samples[i];
+            velocity[i] = s.q1[a] * m[i].root / limit.velocity;
+            acceleration[i] = (s.q2[a] * m[i].x + 0.5 * s.q1[a] * m[i].d) * per_acceleration;
+            jerk[i] = ((s.q3[a] * m[i].x + 1.5 * s.q2[a] * m[i].d) * m[i].root + 0.5 * s.q1[a] * m[i].e_root) * per_jerk;
+        }
+        out.velocity[a] = peak(velocity);
+        out.acceleration[a] = peak(acceleration);
+        out.jerk[a] = peak(jerk);
+    }
+    return out;
+}
+
+bool is_positive(const ProfilePiece& piece) {
+    if (piece.kind != ProfilePiece::Kind::cubic) return piece.jerk_mm_s3 > 0;
+    const double h = piece.length_mm, x1 = motion_at(piece, h).x, d1 = piece.d0 + h * (piece.e0 + piece.e1) / 2;
+    if (!(piece.x0 > 0 && x1 > 0)) return false;
+    if (piece.x0 + h * piece.d0 / 3 > 0 && x1 - h * d1 / 3 > 0) return true;
+    const double third = (piece.e1 - piece.e0) / h, root = piece.e0 * piece.e0 - 2 * third * piece.d0;
+    if (root <= 0) return true;  // no inner extremum
+    // The minimum is where x″ = +√root, in the form without cancellation.
+    const double s = std::sqrt(root);
+    const double at = piece.e0 >= 0 ? -2 * piece.d0 / (piece.e0 + s) : (s - piece.e0) / third;
+    return !(at > 0 && at < h) || motion_at(piece, at).x > 0;
+}
+
+bool tighten(const Peaks& peaks, double trigger, double reserve, Tightening& tightening) {
+    bool changed = false;
+    const auto raise = [&](double ratio, double& factor) {
+        if (!(ratio > trigger)) return;
+        factor *= reserve * ratio;
+        changed = true;
+    };
+    for (int a = 0; a < machine::max_axes; ++a) {
+        raise(peaks.acceleration[a], tightening.acceleration[a]);
+        raise(peaks.jerk[a], tightening.jerk[a]);
+    }
+    const double speed = std::max(peaks.feed, *std::ranges::max_element(peaks.velocity));
+    if (speed > trigger) raise(speed * speed, tightening.speed);
+    return changed;
+}
+
+void slow_down(std::span<ProfilePiece> pieces, double lambda) {
+    for (ProfilePiece& piece : pieces) {
+        piece.x0 *= lambda;
+        piece.d0 *= lambda;
+        piece.e0 *= lambda;
+        piece.e1 *= lambda;
+        piece.jerk_mm_s3 *= lambda * std::sqrt(lambda);
+    }
+}
+
+double lambda_for(const Peaks& peaks) {
+    const double velocity = std::max(peaks.feed, *std::ranges::max_element(peaks.velocity));
+    const double jerk = std::cbrt(*std::ranges::max_element(peaks.jerk));
+    return 1 / std::max({1.0, velocity * velocity, *std::ranges::max_element(peaks.acceleration), jerk * jerk});
+}
+
+}  // namespace trunnion::feed

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "trunnion/machine/machine.hpp"
+#include "trunnion/path/axis_path.hpp"
+
+namespace trunnion::feed {
+
+/// Samples of an interval, evenly spaced, both ends included. The solver's rows stand at the first, the middle and the
+/// last one; a plan is checked at all of them.
+inline constexpr int samples_per_interval = 9;
+
+/// Derivatives of the axes by p (mm, rad per mm^k) and the programmed feed at one place. At an interval's ends they are
+/// one-sided, from inside.
+struct PathSample {
+    std::array<double, machine::max_axes> q1{}, q2{}, q3{};
+    double feed_cap = std::numeric_limits<double>::infinity();  ///< bound of x = ṗ², mm²/s²
+};
+
+/// A bit of a stretch on which the speed is one cubic x(p). Never straddles path pieces or a change of the feed.
+struct Interval {
+    path::PathPlace begin;
+    double length_mm = 0;  ///< > 0
+    std::array<PathSample, samples_per_interval> samples;
+};
+
+/// What the axes can do: the first `count` of `axes` count.
+struct LimitSet {
+    std::array<machine::AxisLimits, machine::max_axes> axes;
+    int count = 0;
+};
+
+}  // namespace trunnion::feed

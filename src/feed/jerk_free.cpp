@@ -1,0 +1,90 @@
+#include "detail/jerk_free.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trunnion::feed {
+namespace {
+
+constexpr int steps = samples_per_interval - 1;
+
+/// |b x + c d| ≤ 1 per axis, c ≥ 0, of acceleration q″x + ½q′d; x ≤ cap of feed and velocities.
+struct Rows {
+    std::array<double, machine::max_axes> b{}, c{};
+    int count = 0;
+    double cap = 0;
+};
+
+Rows rows_at(const PathSample& s, const LimitSet& limits) {
+    Rows out;
+    out.count = limits.count;
+    double inverse = 1 / s.feed_cap;
+    for (int a = 0; a < limits.count; ++a) {
+        const double sign = s.q1[a] < 0 ? -1 : 1, scale = sign / limits.axes[a].acceleration, rate = s.q1[a] / limits.axes[a].velocity;
+        out.b[a] = s.q2[a] * scale;
+        out.c[a] = 0.5 * s.q1[a] * scale;
+        inverse = std::max(inverse, rate * rate);
+    }
+    out.cap = 1 / inverse;
+    return out;
+}
+
+/// Largest x for which some d satisfies all rows: every pair of an upper and a lower row bounds x.
+double turning_ceiling(const Rows& r) {
+    double x = r.cap;
+    for (int i = 0; i < r.count; ++i) {
+        if (r.c[i] == 0 && r.b[i] != 0) x = std::min(x, 1 / std::abs(r.b[i]));
+        for (int j = i + 1; j < r.count; ++j) {
+            const double cross = std::abs(r.b[i] * r.c[j] - r.b[j] * r.c[i]);
+            if (cross * x > r.c[i] + r.c[j]) x = (r.c[i] + r.c[j]) / cross;
+        }
+    }
+    return x;
+}
+
+/// Largest x from which a step h ends at or below `next`.
+double controllable(const Rows& r, double next, double h) {
+    double x = turning_ceiling(r);
+    for (int i = 0; i < r.count; ++i) {
+        const double slope = r.c[i] - h * r.b[i], room = r.c[i] * next + h;  // −1 ≤ b x + c d with d = (next − x)/h
+        if (slope * x > room) x = room / slope;
+    }
+    return x;
+}
+
+double reachable(const Rows& r, double x, double h) {
+    double d = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < r.count; ++i)
+        if (r.c[i] > 0) d = std::min(d, (1 - r.b[i] * x) / r.c[i]);
+    return x + h * d;
+}
+
+}  // namespace
+
+double JerkFreeScan::advance(std::span<const Interval> window, std::size_t commit, bool last) {
+    const std::size_t n = window.size();
+    ceiling_.resize(n * steps + 1);
+    ceiling_[n * steps] = last ? 0 : rows_at(window.back().samples[steps], limits_).cap;
+    for (std::size_t k = n; k-- > 0;) {
+        const double h = window[k].length_mm / steps;
+        for (int i = steps; i-- > 0;) {
+            const std::size_t node = k * steps + i;
+            ceiling_[node] = controllable(rows_at(window[k].samples[i], limits_), ceiling_[node + 1], h);
+        }
+        // The limits behind a knot hold on its other side too.
+        if (k > 0) ceiling_[k * steps] = std::min(ceiling_[k * steps], rows_at(window[k - 1].samples[steps], limits_).cap);
+    }
+    double time = 0;
+    x_ = std::min(x_, ceiling_[0]);
+    for (std::size_t k = 0; k < commit; ++k) {
+        const double h = window[k].length_mm / steps;
+        for (int i = 0; i < steps; ++i) {
+            const double next = std::clamp(reachable(rows_at(window[k].samples[i], limits_), x_, h), 0.0, ceiling_[k * steps + i + 1]);
+            time += 2 * h / (std::sqrt(x_) + std::sqrt(next));
+            x_ = next;
+        }
+    }
+    return time;
+}
+
+}  // namespace trunnion::feed

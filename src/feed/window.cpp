@@ -1,0 +1,122 @@
+#include "detail/window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detail/rest_arc.hpp"
+
+namespace trunnion::feed {
+namespace {
+
+using motion::ProfilePiece;
+
+constexpr int max_iterations = 60, max_rounds = 8;
+constexpr double gap = 3e-4;
+constexpr double tightening_trigger = 1.0003;
+constexpr double first_reserve = 2e-4;  // doubled from round to round, so that the last few intervals settle
+
+ProfilePiece arc_piece(const Interval& interval, RestSide side, double joint_x) {
+    ProfilePiece piece;
+    piece.kind = side == RestSide::start ? ProfilePiece::Kind::rest_start : ProfilePiece::Kind::rest_stop;
+    const double h = interval.length_mm;
+    piece.jerk_mm_s3 = arc_jerk_mm_s3(joint_x / (h * std::cbrt(h)));
+    return piece;
+}
+
+void place(const Interval& interval, ProfilePiece& piece) {
+    piece.path_piece = interval.begin.piece;
+    piece.path_offset_mm = interval.begin.offset_mm;
+    piece.length_mm = interval.length_mm;
+}
+
+/// The worst of all peaks of a plan; infinite where x is not positive.
+struct Verdict {
+    double worst = 0, lambda = 1;
+    bool positive = true, changed = false;
+};
+
+Verdict examine(const WindowProblem& window, std::span<const ProfilePiece> pieces, const double* reserve) {
+    Verdict out;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+        const Peaks peaks = peaks_of(window.intervals[k], pieces[k], *window.limits);
+        out.worst = std::max(out.worst, peaks.worst());
+        out.lambda = std::min(out.lambda, lambda_for(peaks));
+        out.positive = out.positive && is_positive(pieces[k]);
+        if (reserve) out.changed |= tighten(peaks, tightening_trigger, *reserve, window.tightening[k]);
+    }
+    out.positive = out.positive && std::isfinite(out.worst);
+    return out;
+}
+
+double duration(std::span<const ProfilePiece> pieces) {
+    double total = 0;
+    for (const ProfilePiece& piece : pieces) total += motion::time_to(piece, piece.length_mm);
+    return total;
+}
+
+}  // namespace
+
+CoreProblem WindowSolver::core_of(const WindowProblem& window) const {
+    CoreProblem core;
+    core.intervals = window.intervals.subspan(window.first_core(), window.core_count());
+    core.tightening = window.tightening.subspan(window.first_core(), window.core_count());
+    core.limits = window.limits;
+    core.calm = window.calm;
+    core.from_rest = window.from_rest;
+    if (window.from_rest) core.start = arc_joint(window.intervals.front(), RestSide::start, *window.limits, window.tightening.front());
+    core.stop = arc_joint(window.intervals.back(), RestSide::stop, *window.limits, window.tightening.back());
+    return core;
+}
+
+std::vector<ProfilePiece> WindowSolver::pieces_of(const WindowProblem& window, const Trajectory& core) const {
+    const std::size_t n = window.core_count();
+    std::vector<ProfilePiece> out;
+    out.reserve(window.intervals.size());
+    if (window.from_rest) out.push_back(arc_piece(window.intervals.front(), RestSide::start, core.x[0]));
+    for (std::size_t k = 0; k < n; ++k) {
+        ProfilePiece piece;
+        piece.x0 = core.x[k];
+        piece.d0 = core.d[k];
+        piece.e0 = core.e0[k];
+        piece.e1 = core.e1[k];
+        out.push_back(piece);
+    }
+    out.push_back(arc_piece(window.intervals.back(), RestSide::stop, core.x[n]));
+    for (std::size_t k = 0; k < out.size(); ++k) place(window.intervals[k], out[k]);
+    return out;
+}
+
+/// Solves and tightens until every interval holds its limits at all samples, or the rounds are used up.
+WindowPlan WindowSolver::improve(const WindowProblem& window, const CoreProblem& core) {
+    WindowPlan plan;
+    solver_.begin(core, start_);
+    for (;; ++plan.rounds) {
+        const SolveReport report = solver_.run(gap, max_iterations);
+        plan.iterations += report.iterations;
+        plan.fallback = !report.converged;
+        plan.pieces = pieces_of(window, solver_.trajectory());
+        const double reserve = 1 + std::ldexp(first_reserve, plan.rounds);
+        const Verdict verdict = examine(window, plan.pieces, plan.rounds < max_rounds ? &reserve : nullptr);
+        plan.safe = verdict.positive && verdict.worst <= allowed_ratio;
+        if (!report.converged || !verdict.changed || plan.rounds == max_rounds) return plan;
+        solver_.retighten(core_of(window));
+    }
+}
+
+WindowPlan WindowSolver::solve(const WindowProblem& window) {
+    const CoreProblem core = core_of(window);
+    make_start_profile(window, core, start_);
+    WindowPlan plan = improve(window, core);
+    if (plan.safe || !window.from_rest) return plan;
+    // A profile with x > 0 becomes feasible when it is slowed down enough; the faster of the two that are at hand is taken.
+    plan.fallback = true;
+    std::vector<ProfilePiece> slow = pieces_of(window, start_);
+    slow_down(slow, examine(window, slow, nullptr).lambda);
+    const Verdict verdict = examine(window, plan.pieces, nullptr);
+    if (verdict.positive) slow_down(plan.pieces, verdict.lambda);
+    if (!verdict.positive || duration(slow) < duration(plan.pieces)) plan.pieces = std::move(slow);
+    plan.safe = examine(window, plan.pieces, nullptr).positive;
+    return plan;
+}
+
+}  // namespace trunnion::feed

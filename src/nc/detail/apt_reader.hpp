@@ -1,0 +1,104 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <optional>
+#include <string>
+
+#include "trunnion/base/quantity.hpp"
+
+#include "detail/apt_statement.hpp"
+#include "detail/dialects.hpp"
+#include "detail/findings.hpp"
+#include "detail/text.hpp"
+
+namespace trunnion::nc {
+
+/// Numbers of a list, at most a pose.
+struct Numbers {
+    std::array<double, 12> value{};
+    std::size_t count = 0;
+    Eigen::Vector3d triple(std::size_t first) const { return {value[first], value[first + 1], value[first + 2]}; }
+};
+
+/// Carries out the statements of APT data, one function each; apt.cpp has the table from words to functions.
+class AptReader {
+  public:
+    AptReader(std::string_view text, std::string_view file_name, const ReadOptions& options)
+        : scanner_(text), findings_(file_name), options_(options) {
+        program_.source = file_name;
+        program_.name = std::filesystem::path(file_name).stem().string();
+        program_.dialect = name_of(Dialect::apt);
+        if (options.units == Units::inch) unit_mm_ = inch_mm;
+    }
+
+    Result<program::Program> read();
+
+    // The statements.
+    bool go_to();
+    bool from();
+    bool bare_pose();
+    bool rapid();
+    bool feed_rate();
+    bool units();
+    bool multax();
+    bool tool_axis();
+    bool machine_system();
+    bool part_name();
+    bool load_tool();
+    bool spindle() { return event(program::EventKind::spindle, true); }
+    bool coolant() { return event(program::EventKind::coolant, false); }
+    bool stop() { return event(program::EventKind::stop, true); }
+    bool delay();
+    bool finish();
+    bool remark() { return true; }
+    bool ignore();
+    bool only_off();
+    bool refuse_curve();
+    bool refuse_motion();
+
+  private:
+    bool statement();
+    Result<program::Program> done();
+    bool numbers(Numbers& out, bool blanks_separate);
+    bool add_pose(const Numbers& pose);
+    bool set_axis(const Eigen::Vector3d& vector);
+    bool add_move(const Eigen::Vector3d& position_mm, bool is_rapid);
+    bool cutting_feed(program::Feed& feed);
+    bool event(program::EventKind kind, bool stops, double dwell_s = 0);
+    bool feed_unit(std::string_view word, double& scale);
+    bool refuse(std::string_view code, std::string text, std::string_view hint = {}) {
+        return findings_.refuse(code, scanner_.spot(), std::move(text), scanner_.major(), hint);
+    }
+
+    StatementScanner scanner_;
+    Findings findings_;
+    const ReadOptions& options_;
+    program::Program program_;
+    UnitStatement stated_;
+    double unit_mm_ = 1;
+    std::optional<double> feed_mm_s_;
+    Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();
+    std::uint16_t tool_ = 0;
+    bool rapid_next_ = false, axis_held_ = false, words_seen_ = false, finished_ = false;
+};
+
+/// The next of a comma-separated list.
+inline std::string_view take_item(std::string_view& list) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    const std::string_view item = trimmed(list.substr(0, comma));
+    list.remove_prefix(std::min(comma + 1, list.size()));
+    return item;
+}
+
+inline bool is_word(std::string_view item, std::initializer_list<std::string_view> words) {
+    return std::ranges::any_of(words, [&](std::string_view word) { return reads(item, word); });
+}
+
+/// The number that an item is, all of it.
+std::optional<double> number_of(std::string_view item);
+
+}  // namespace trunnion::nc

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "trunnion/base/diagnostic.hpp"
+
+namespace trunnion::nc {
+
+/// Line and column in the text, from 1; 0 = unknown.
+struct Spot {
+    int line = 0;
+    int column = 0;
+};
+
+/// What a reader has to say besides the program: the one error that ends it, and warnings, each once with its count.
+class Findings {
+  public:
+    explicit Findings(std::string_view file) : file_(file) {}
+
+    /// Keeps the error; false, so that a reader can return it.
+    bool refuse(std::string_view code, Spot spot, std::string text, std::string_view value = {},
+                std::string_view hint = {}) {
+        error_ = diagnostic(code, Severity::error, spot, std::move(text), value, hint);
+        return false;
+    }
+
+    /// `times` more of `word` under `code`; the first one sets place and text. Allocates at the first one only.
+    void count(std::string_view code, Severity severity, Spot spot, std::string_view word, std::string_view text,
+               std::string_view hint = {}, int times = 1) {
+        for (Diagnostic& notice : notices_)
+            if (notice.code == code && notice.value == word) return void(notice.count += times);
+        notices_.push_back(diagnostic(code, severity, spot, std::string(text), word, hint));
+        notices_.back().count = times;
+    }
+
+    void ignored(Spot spot, std::string_view word) {
+        count("NC0012", Severity::warning, spot, word, "ignored: it cannot change motion");
+    }
+
+    Diagnostic take_error() { return std::move(error_); }
+    std::vector<Diagnostic> take_notices() { return std::move(notices_); }
+
+  private:
+    Diagnostic diagnostic(std::string_view code, Severity severity, Spot spot, std::string text, std::string_view value,
+                          std::string_view hint) const {
+        return {.code = std::string(code),
+                .severity = severity,
+                .text = std::move(text),
+                .place = {.file = file_, .line = spot.line, .column = spot.column},
+                .value = std::string(value),
+                .hint = std::string(hint)};
+    }
+
+    std::string file_;
+    Diagnostic error_;
+    std::vector<Diagnostic> notices_;
+};
+
+}  // namespace trunnion::nc

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "trunnion/base/result.hpp"
+#include "trunnion/machine/machine.hpp"
+#include "trunnion/program/program.hpp"
+
+namespace trunnion::nc {
+
+/// The languages of part programs that are read.
+enum class Dialect : std::uint8_t {
+    apt,   ///< APT cutter location data, and bare lists of poses (x y z or x y z i j k a line)
+    rs274  ///< G-code as LinuxCNC takes it
+};
+
+/// `apt`, `rs274`.
+std::string_view name_of(Dialect dialect) noexcept;
+std::optional<Dialect> dialect_named(std::string_view name) noexcept;
+
+/// Which unit of length rules: the one that the program states, or this one whatever the program states.
+enum class Units : std::uint8_t { none, mm, inch };
+
+struct ReadOptions {
+    std::optional<Dialect> dialect;  ///< empty: recognised by content
+    Units units = Units::none;       ///< a feed that names its own unit (IPM, MMPM) keeps it
+    const machine::Machine* machine =
+        nullptr;                        ///< rotary words and words of one control need it; read only while reading
+    bool feed_given_elsewhere = false;  ///< a missing feed is no error: such moves get the value 0
+};
+
+/// The dialect of a text, by the first line that tells. Looks at no file name. Allocates nothing unless it fails.
+/// Errors: NC0002 nothing but blanks, NC0004 not recognised (the diagnostic names the line).
+Result<Dialect> recognise(std::string_view text);
+
+/// Reads a part program: every word is understood, or ignored with one counted warning where it cannot change motion,
+/// or refused with its place. Any bytes are taken: the result is a Program or a Diagnostic.
+///
+/// What comes out: moves[0] is the first pose of which every coordinate and every rotary letter that the program ever
+/// uses is known; moves that change nothing are left out; lengths in mm, rotary words in rad and literal.
+///
+/// apt: law vector. A pose of three numbers keeps the vector, (0, 0, 1) at first. The feed is the speed of the tip; a
+/// pure rotation has none and is bounded by the axes alone.
+/// rs274: law rotary, always (no letters: the rotary axes stand still). G94: F is the speed of the tip in mm/min
+/// (inch/min) where a linear coordinate changes, else deg/min of the Euclidean length of the rotary words. G93: 60/F s
+/// for the block. Linear words are of the workpiece while TCP is on, as it is at first; after a word of words.tcp_off
+/// they are of the machine axes and the move keeps its offset; G53 is one block of machine axes, with offset 0.
+///
+/// `file_name` is used for diagnostics and for the name of the program. Cost: one pass, about 1 µs a block; the memory
+/// of the moves. Errors: src/nc/README.md lists all codes.
+Result<program::Program> read_program(std::string_view text, std::string_view file_name, const ReadOptions& options);
+
+/// The same for a file. Errors: also NC0001 not readable, NC0008 larger than 2 GB.
+Result<program::Program> read_program_file(const std::filesystem::path& file, const ReadOptions& options);
+
+}  // namespace trunnion::nc

@@ -1,0 +1,80 @@
+#include "detail/rs274_control.hpp"
+
+#include <cmath>
+
+#include "trunnion/base/number.hpp"
+
+namespace trunnion::nc {
+
+namespace {
+
+bool is_one_letter(std::string_view word) {
+    return word.size() == 1 && is_letter(word.front());
+}
+
+std::optional<Code> code_of(std::string_view word) {
+    word = trimmed(word);
+    if (word.size() < 2 || (upper(word.front()) != 'G' && upper(word.front()) != 'M')) return {};
+    const char letter = upper(word.front());
+    word.remove_prefix(1);
+    const auto number = take_number(word);
+    if (!number || !word.empty() || !(*number >= 0) || *number > 1e5) return {};
+    return Code{letter, static_cast<int>(std::round(*number * 10)), 0};
+}
+
+Diagnostic bad_declaration(const std::string& file) {
+    Diagnostic diagnostic{.code = "NC0007",
+                          .text = "a word that the machine file declares is not a G or M with its number"};
+    diagnostic.place.file = file;
+    diagnostic.hint = "write it like \"M428\"; following = [\"E\"] takes letters";
+    return diagnostic;
+}
+
+}  // namespace
+
+Result<Control> Control::make(const machine::Machine* machine) {
+    Control control;
+    for (std::size_t i = 0; i < 3; ++i) control.set_letter("XYZ"[i], Letter::linear, i);
+    if (!machine) return control;
+    control.has_machine_ = true;
+    const machine::ControlWords& words = machine->words;
+    const bool good = control.declare_letters(words.following) && control.declare(words.tcp_on, Role::tcp_on) &&
+                      control.declare(words.tcp_off, Role::tcp_off) && control.declare(words.ignore, Role::ignore);
+    if (!good) return fail(bad_declaration(machine->file));
+    for (int i = machine->linear_count(); i < machine->axis_count; ++i)
+        control.set_letter(machine->axes[i].letter, Letter::rotary,
+                           static_cast<std::size_t>(i - machine->linear_count()));
+    return control;
+}
+
+void Control::set_letter(char letter, Letter kind, std::size_t axis) {
+    if (!is_letter(letter)) return;
+    const std::size_t index = Block::index(upper(letter));
+    kind_[index] = kind;
+    axis_[index] = static_cast<std::uint8_t>(axis);
+    if (kind == Letter::linear || kind == Letter::rotary) axis_letters_ |= Block::bit(upper(letter));
+    if (kind == Letter::rotary) rotary_letters_[axis] = upper(letter);
+}
+
+bool Control::declare_letters(const std::vector<std::string>& words) {
+    for (const std::string& word : words) {
+        if (!is_one_letter(word)) return false;
+        set_letter(word.front(), Letter::following, 0);
+    }
+    return true;
+}
+
+bool Control::declare(const std::vector<std::string>& words, Role role) {
+    for (const std::string& word : words) {
+        if (role == Role::ignore && is_one_letter(word)) {
+            set_letter(word.front(), Letter::silent, 0);
+            continue;
+        }
+        const auto code = code_of(word);
+        if (!code) return false;
+        own_words_.push_back({*code, role});
+    }
+    return true;
+}
+
+}  // namespace trunnion::nc

@@ -1,0 +1,152 @@
+#include <algorithm>
+
+#include "detail/rs274_reader.hpp"
+
+namespace trunnion::nc {
+
+using program::FeedRule;
+using program::Move;
+using program::Space;
+
+namespace {
+
+constexpr double still_mm = 1e-7;  ///< linear words that change less make a block a pure rotation, as on LinuxCNC
+
+bool same(double a, double b) {
+    return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+bool same_place(const Move& a, const Move& b) {
+    if (a.space != b.space || a.offset != b.offset || a.position_mm != b.position_mm) return false;
+    for (std::size_t i = 0; i < a.rotary_rad.size(); ++i)
+        if (!same(a.rotary_rad[i], b.rotary_rad[i])) return false;
+    return true;
+}
+
+}  // namespace
+
+bool Rs274Reader::motion() {
+    if (axes_ == 0) return true;
+    if (modal_.motion == Meaning::no_motion)
+        return refuse("NC0308", spot_of_motion(), "an axis word, but no motion is in force", {}, "G0 or G1 before it");
+    if (!target()) return false;
+    Move move;
+    move.position_mm = position_mm_;
+    move.rotary_rad = rotary_rad_;
+    move.kind = modal_.motion == Meaning::rapid ? program::MoveKind::rapid : program::MoveKind::feed;
+    move.space = frame_.space;
+    move.law = program::OrientationLaw::rotary;
+    move.exact_stop = modal_.exact_stop;
+    move.tool = modal_.tool;
+    move.offset = frame_.offset;
+    move.line = block_.line;
+    return feed_of(move) && add(move);
+}
+
+/// Where the block goes: frame_, position_mm_ and rotary_rad_ from the words of the block.
+bool Rs274Reader::target() {
+    const bool machine_position = request_.asks(Group::once, Meaning::machine_position);
+    if (machine_position && !modal_.absolute)
+        return refuse("NC0315", {block_.line, request_.code_of(Group::once).column}, "G53 needs G90",
+                      "G91 is in force");
+    const Frame frame = machine_position ? Frame{Space::machine, 0}
+                                         : Frame{modal_.tcp ? Space::workpiece : Space::machine, modal_.offset};
+    if (frame != frame_) position_mm_.setConstant(unknown_word);
+    frame_ = frame;
+    for (std::uint32_t letters = axes_; letters != 0; letters &= letters - 1)
+        if (!axis_word(static_cast<char>('A' + std::countr_zero(letters)))) return false;
+    return true;
+}
+
+bool Rs274Reader::axis_word(char letter) {
+    const std::size_t index = Block::index(letter);
+    const bool linear = control_.kind(index) == Control::Letter::linear;
+    const std::size_t axis = control_.axis(index);
+    double& coordinate = linear ? position_mm_[static_cast<Eigen::Index>(axis)] : rotary_rad_[axis];
+    const double way = block_.value[index] * (linear ? modal_.unit_mm : degree);
+    if (!modal_.absolute && std::isnan(coordinate))
+        return refuse("NC0309", block_.spot(letter), "an incremental word from a position that is not known",
+                      {&letter, 1}, "say the position once in G90");
+    coordinate = modal_.absolute ? way : coordinate + way;
+    if (!std::isfinite(coordinate))
+        return refuse("NC0201", block_.spot(letter), "the position is not finite", {&letter, 1});
+    return true;
+}
+
+bool Rs274Reader::feed_of(Move& move) {
+    if (move.kind == program::MoveKind::rapid) return true;
+    if (modal_.feed_per_s == 0 && !options_.feed_given_elsewhere) {
+        if (modal_.inverse_time)
+            return refuse("NC0310", spot_of_motion(), "G93 needs F in every block with G1", {},
+                          "--feed gives one instead");
+        return refuse("NC0205", spot_of_motion(), "a cutting move without a feed", {},
+                      "--feed gives one, or F before it");
+    }
+    const Move* const last = program_.moves.empty() ? nullptr : &program_.moves.back();
+    const bool same_frame = last && Frame{last->space, last->offset} == frame_;
+    const bool turns_only = same_frame && (last->position_mm - move.position_mm).cwiseAbs().maxCoeff() <= still_mm;
+    if (modal_.inverse_time && modal_.feed_per_s > 0)
+        move.feed = {FeedRule::block_time, 1 / modal_.feed_per_s};
+    else if (turns_only)
+        move.feed = {FeedRule::rotary_rate, modal_.feed_per_s * degree};
+    else
+        move.feed = {FeedRule::tip_speed, modal_.feed_per_s * modal_.feed_unit_mm};
+    return true;
+}
+
+bool Rs274Reader::add(Move& move) {
+    if (move.position_mm.hasNaN()) {
+        if (!program_.moves.empty())
+            return refuse("NC0311", spot_of_motion(),
+                          "X, Y and Z must all be said where coordinates count in another frame", {},
+                          "G53, TCP on or off and work offsets change the frame");
+        findings_.count("NC0013", Severity::warning, spot_of_motion(), "start",
+                        "moves before the first pose that is known whole are left out");
+        return true;
+    }
+    if (program_.moves.empty() || !same_place(program_.moves.back(), move)) program_.moves.push_back(move);
+    return true;
+}
+
+/// Why there is nothing to move.
+bool Rs274Reader::never_started() {
+    if (axes_ever_ == 0 || !program_.moves.empty()) return refuse("NC0005", {}, "the program makes no move");
+    std::string missing;
+    for (const char letter : {'X', 'Y', 'Z'})
+        if ((axes_ever_ & Block::bit(letter)) == 0) missing += letter;
+    return refuse("NC0006", {}, "no pose is ever known whole: X, Y and Z must all be said in one frame", missing,
+                  "say them at the start, like G0 X0 Y0 Z10");
+}
+
+/// Leaves out the moves before every rotary letter that the program uses is known; a letter stays known.
+void Rs274Reader::drop_undetermined() {
+    auto& moves = program_.moves;
+    const auto known = [&](const Move& move) {
+        for (std::size_t i = 0; i < rotary_rad_.size(); ++i)
+            if (std::isnan(move.rotary_rad[i]) && !std::isnan(rotary_rad_[i])) return false;
+        return true;
+    };
+    std::size_t first = 0;
+    while (first < moves.size() && !known(moves[first])) ++first;
+    if (first == 0) return;
+    findings_.count("NC0013", Severity::warning, {moves.front().line, 1}, "start",
+                    "moves before the first pose that is known whole are left out", {}, static_cast<int>(first));
+    moves.erase(moves.begin(), moves.begin() + static_cast<std::ptrdiff_t>(first));
+    for (program::Event& event : program_.events) event.before_move -= std::min(event.before_move, first);
+}
+
+void Rs274Reader::keep_used_letters() {
+    std::array<std::size_t, program::max_rotary_letters> slots{};
+    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
+        if (std::isnan(rotary_rad_[i])) continue;
+        slots[program_.rotary_letters.size()] = i;
+        program_.rotary_letters.push_back(control_.rotary_letter(i));
+    }
+    for (Move& move : program_.moves) {
+        RotaryWords used{};
+        for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = move.rotary_rad[slots[i]];
+        move.rotary_rad = used;
+    }
+}
+
+}  // namespace trunnion::nc

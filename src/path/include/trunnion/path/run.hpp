@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "trunnion/machine/kinematics.hpp"
+#include "trunnion/program/program.hpp"
+
+namespace trunnion::path {
+
+using program::Feed;
+using program::FeedRule;
+using program::OrientationLaw;
+using program::Space;
+
+/// Reference height ρ: one radian of the tool counts as so many millimetres of path.
+inline constexpr double reference_height_mm = 30.0;
+
+/// Coordinates of a place on a path: position (tip in the workpiece, or the linear machine axes in machine space; mm)
+/// and orientation (law vector: the tool axis, unit; law rotary and machine space: positions of the machine's rotary
+/// axes in its order, rad, in the control's count, the rest 0).
+struct PathCoordinates {
+    std::array<double, 3> position_mm{};
+    std::array<double, 3> orientation{};
+};
+
+/// One programmed block of a run, from vertex i to vertex i + 1.
+struct Block {
+    double length_mm = 0;  ///< dp: √(|Δtip|² + (ρ Δω)²), conventions.md
+    Feed feed;
+    std::int32_t line = 0;
+};
+
+/// Why motion stands still at the end of a run or stretch.
+enum class StopCause : std::uint8_t { end, reversal, rapid, event, exact_stop, space, tool, corner };
+
+/// An event of the program (index in Program::events) that falls where blocks[block] of the run begins; block =
+/// blocks.size(): at the run's end.
+struct RunEvent {
+    std::size_t event = 0;
+    std::size_t block = 0;
+};
+
+/// Consecutive moves without a standstill between: what smoothing may round as one. Rapids are runs of one block.
+/// vertices.size() = blocks.size() + 1; every block is longer than 0.
+struct Run {
+    Space space = Space::workpiece;
+    OrientationLaw law = OrientationLaw::vector;
+    bool rapid = false;
+    std::size_t first_move = 0;    ///< index in Program::moves of the move of blocks[0]
+    const machine::Kinematics* kinematics = nullptr;  ///< not owned
+    std::vector<PathCoordinates> vertices;
+    std::vector<Block> blocks;
+    std::vector<RunEvent> events;
+    StopCause stop = StopCause::end;  ///< what the standstill at its end is for
+    double controlled_height_mm = 0;  ///< of the tool in use: the controlled point lies so far up the axis from the tip
+};
+
+/// dω between two places under the law (rotary: with the lever of the axis nearest to the workpiece at their middle,
+/// at least 0.1), rad.
+double turn_rad(const Run& run, const PathCoordinates& from, const PathCoordinates& to);
+
+/// dp of a straight block between two places, mm.
+double block_length_mm(const Run& run, const PathCoordinates& from, const PathCoordinates& to);
+
+}  // namespace trunnion::path

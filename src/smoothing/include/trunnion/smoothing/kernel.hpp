@@ -1,0 +1,63 @@
+#pragma once
+
+namespace trunnion::smoothing {
+
+/// Kernels that replace the kink |x|/2 of a polyline by a smooth bump: on |t| ≤ 1
+///
+///     g″ = k − δ,   g and its first three derivatives 0 at |t| = 1,
+///
+/// so a unit kink plus w·g(x/w) is |x|/2 convolved with k of width w. Each function takes t in [−1, 1];
+/// slope(t) is g′ (at t = 0 its right limit), density(t) is k, density_slope(t) is k′.
+
+/// For the smooth part: moments 1 to 3 of k vanish, so a curve is displaced only by O(w⁴). Not positive.
+struct CurveKernel {
+    static constexpr double peak = 35.0 / 512;  ///< g(0)
+    static double bump(double t) {
+        const double s = t * t;
+        return (35 + s * (420 + s * (-350 + s * (196 - 45 * s)))) / 512 - (t < 0 ? -t : t) / 2;
+    }
+    static double slope(double t) {
+        const double s = t * t;
+        return t * (840 + s * (-1400 + s * (1176 - 360 * s))) / 512 - (t < 0 ? -0.5 : 0.5);
+    }
+    static double density(double t) {
+        const double s = t * t;
+        return 105.0 / 64 * (1 - s) * (1 - s) * (1 - 3 * s);
+    }
+    static double density_slope(double t) {
+        const double s = t * t;
+        return 105.0 / 64 * t * (-10 + s * (28 - 18 * s));
+    }
+};
+
+/// For corners: triweight, positive, so the rounded corner stays inside the corner's triangle.
+struct CornerKernel {
+    static constexpr double peak = 35.0 / 256;
+    static double bump(double t) {
+        const double s = t * t;
+        return (35 + s * (140 + s * (-70 + s * (28 - 5 * s)))) / 256 - (t < 0 ? -t : t) / 2;
+    }
+    static double slope(double t) {
+        const double s = t * t;
+        return t * (280 + s * (-280 + s * (168 - 40 * s))) / 256 - (t < 0 ? -0.5 : 0.5);
+    }
+    static double density(double t) {
+        const double r = 1 - t * t;
+        return 35.0 / 32 * r * r * r;
+    }
+    static double density_slope(double t) {
+        const double r = 1 - t * t;
+        return -105.0 / 16 * t * r * r;
+    }
+};
+
+/// Biweight: only measures how far a kink stands alone (C² path, never shipped).
+struct DetectionKernel {
+    static constexpr double peak = 5.0 / 32;
+    static double bump(double t) {
+        const double s = t * t;
+        return (5 + s * (15 + s * (-5 + s))) / 32 - (t < 0 ? -t : t) / 2;
+    }
+};
+
+}  // namespace trunnion::smoothing

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <vector>
+
+#include "trunnion/path/run.hpp"
+#include "trunnion/path/tool_path.hpp"
+
+namespace trunnion::smoothing {
+
+enum class Rounding {
+    smooth,  ///< corners and dense blocks rounded within the tolerances
+    none     ///< the programmed path itself, exact stop at every corner
+};
+
+/// What may be given away of the programmed path. A tolerance ≤ 0 gives nothing: as Rounding::none.
+struct SmoothingOptions {
+    Rounding rounding = Rounding::smooth;
+    double tip_tolerance_mm = 0.02;
+    double orientation_tolerance_rad = 0.1 * 0.017453292519943295;
+    double flank_tolerance_mm = 0;  ///< > 0: deviation of the point at the flank height, in place of the orientation's
+    double flank_height_mm = 30;
+    double controlled_height_mm = 0;  ///< the point that the tip tolerance is of, so far up the tool axis from the tip
+};
+
+/// Turns a run of programmed blocks into one or more stretches of C³ tool path, each from rest to rest, and appends
+/// them to `out`, in order.
+///
+/// The path is the programmed polyline P(p) in position and orientation coordinates plus one compact bump at every
+/// vertex,
+///
+///     c(p) = P(p) + Σᵢ Δᵢ·wᵢ·g((p − pᵢ)/wᵢ),   Δᵢ = P′(pᵢ+) − P′(pᵢ−),
+///
+/// with g of kernel.hpp. The sum is the deviation at equal p, and c is C³ whatever the widths wᵢ are. Widths come from
+/// the data by sums and minima alone, so that neighbouring passes are smoothed alike. The shipped pieces are septic
+/// Hermite interpolants of c.
+///
+/// Guarantees, for Rounding::smooth:
+/// - both tolerances hold along the whole stretch, at equal p, by ToolPath::bound: Bernstein hulls of the shipped
+///   pieces minus the programmed path, not samples. Law vector: the programmed orientation is the constant-rate slerp.
+/// - they are also kept from the place of the programmed path near by that fits best by |Δtip|² + (flank height ·
+///   turn)²: where tip and tool slip along the path by different amounts, that place's tip deviation may be the larger
+///   one. (Not in machine space with turning rotary axes.)
+/// - start and end are the programmed poses exactly, with second derivative 0.
+/// - |c′| > 0.05 in the metric of p. Where the programmed path turns back on itself so that this cannot hold, the run
+///   is split at that vertex: StopCause::reversal.
+/// - ToolPath::transition_use is deviation / tolerance at each vertex between two blocks, the larger of both.
+///
+/// For Rounding::none, rapids, and runs of one block: positions are exact, orientations too (law vector: to 1e-10 rad),
+/// with an exact stop (StopCause::corner) at every vertex where the tangent of position or orientation changes at all.
+///
+/// Space machine: coordinates are the machine axes. The tip's deviation in the workpiece is bounded by that of the
+/// linear axes plus that of the rotary axes times the tip's largest distance from a rotary axis.
+///
+/// A width is at most 6 mm (larger in proportion to the root of the tip tolerance above 0.01 mm) and at most the
+/// distance to the 256th neighbour on either side: blocks below 0.02 mm are smoothed over less length, at bounded cost.
+///
+/// Preconditions: as Run says; finite values. `run.kinematics` may be null under law vector in workpiece space.
+/// Cost: 5-20 µs a block, linear in the run's length. Allocates. Stateless, thread safe.
+void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out);
+
+}  // namespace trunnion::smoothing

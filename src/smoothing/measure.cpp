@@ -1,0 +1,96 @@
+#include "detail/measure.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "detail/polyline.hpp"
+
+namespace trunnion::smoothing {
+
+namespace {
+
+constexpr double largest_turn_rad = 0.2;  // beyond, angle and chord are no longer alike
+
+machine::AxisPosition axes_at(const path::Run& run, std::size_t vertex) {
+    const auto& at = run.vertices[vertex];
+    const int linear = run.kinematics->axis_count() - run.kinematics->rotary_count();
+    machine::AxisPosition axes;
+    for (int a = 0; a < linear; ++a) axes[a] = at.position_mm[a];
+    for (int a = linear; a < run.kinematics->axis_count(); ++a) axes[a] = at.orientation[a - linear];
+    return axes;
+}
+
+/// Distance of the tip from rotary axis `axis`: half a turn moves it by twice that.
+double distance_from_axis(const machine::Kinematics& kinematics, machine::AxisPosition axes, int axis) {
+    const auto here = kinematics.forward(axes).tip_in_workpiece_mm;
+    axes[axis] += std::numbers::pi;
+    return 0.5 * (kinematics.forward(axes).tip_in_workpiece_mm - here).norm();
+}
+
+/// Largest distance of the tip from a rotary axis along the run. Between two vertices it changes by at most the way
+/// from the nearer one: linear axes directly, the other rotary axis by at most the distance times its turn.
+double largest_arm(const path::Run& run, VertexRange range) {
+    const auto& kinematics = *run.kinematics;
+    const int linear = kinematics.axis_count() - kinematics.rotary_count();
+    double arm = 0, way = 0, turn = 0;
+    for (std::size_t i = range.first; i <= range.last; ++i) {
+        const auto axes = axes_at(run, i);
+        for (int a = linear; a < kinematics.axis_count(); ++a)
+            arm = std::max(arm, distance_from_axis(kinematics, axes, a));
+        if (i == range.last) break;
+        const Coordinates step = joined(run.vertices[i + 1]) - joined(run.vertices[i]);
+        way = std::max(way, step.head<3>().norm());
+        turn = std::max(turn, step.tail<3>().cwiseAbs().maxCoeff());
+    }
+    return (arm + 0.5 * way) * std::exp(0.5 * turn);
+}
+
+}  // namespace
+
+Measure::Measure(const path::Run& run, VertexRange range, const SmoothingOptions& options)
+    : options_(options), vectors_(has_vectors(run)), lever_axis_(lever_axis(run)) {
+    if (run.space == path::Space::machine && run.kinematics && run.kinematics->rotary_count() > 0)
+        arm_mm_ = largest_arm(run, range);
+}
+
+double Measure::turn(const Coordinates& d, double lever) const {
+    if (lever_axis_ < 0) return d.tail<3>().norm();
+    const double nearest = lever * d[lever_axis_], other = d[lever_axis_ == 3 ? 4 : 3];
+    return std::sqrt(nearest * nearest + other * other);
+}
+
+double Measure::point(const Coordinates& d, double lever, double height_mm) const {
+    if (vectors_) return (d.head<3>() + height_mm * d.tail<3>()).norm();
+    double way = d.head<3>().norm();
+    if (height_mm > 0) way += height_mm * turn(d, lever);
+    if (arm_mm_ > 0) way += arm_mm_ * (std::abs(d[3]) + std::abs(d[4]));
+    return way;
+}
+
+double Measure::use(const Coordinates& d, double lever) const {
+    const bool flank = options_.flank_tolerance_mm > 0;
+    return use_of(point(d, lever, options_.controlled_height_mm), turn(d, lever),
+                  flank ? point(d, lever, options_.flank_height_mm) : 0);
+}
+
+double Measure::product(const Coordinates& a, const Coordinates& b, double lever) const {
+    Coordinates weighed = b;
+    if (lever_axis_ >= 0) weighed[lever_axis_] *= lever * lever;
+    const double height = options_.flank_height_mm;
+    return a.head<3>().dot(b.head<3>()) + height * height * a.tail<3>().dot(weighed.tail<3>());
+}
+
+double Measure::use_of(double tip_mm, double turn_rad, double height_mm) const {
+    const double tip = tip_mm / options_.tip_tolerance_mm;
+    if (options_.flank_tolerance_mm <= 0) return std::max(tip, turn_rad / turn_tolerance_rad());
+    return std::max({tip, height_mm / options_.flank_tolerance_mm, turn_rad / largest_turn_rad});
+}
+
+double Measure::turn_tolerance_rad() const {
+    if (options_.flank_tolerance_mm <= 0) return std::min(options_.orientation_tolerance_rad, largest_turn_rad);
+    return std::min(options_.flank_tolerance_mm / std::max(options_.flank_height_mm, 1e-3), largest_turn_rad);
+}
+
+}  // namespace trunnion::smoothing

@@ -1,0 +1,244 @@
+#include "trunnion/verify/check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "trunnion/base/quantity.hpp"
+
+#include "detail/axis_limits.hpp"
+#include "detail/chain.hpp"
+#include "detail/fault.hpp"
+#include "detail/follower.hpp"
+#include "detail/pose_deviations.hpp"
+#include "detail/programmed_line.hpp"
+
+namespace trunnion::verify {
+
+namespace {
+
+constexpr double length_slack_mm = 1e-6;
+constexpr double angle_slack_deg = 1e-6;
+
+std::optional<Diagnostic> not_positive(const char* what, double value) {
+    if (value > 0 && std::isfinite(value)) return {};
+    auto fault = fault_at(0, "VER0303", fmt::format("{} must be above 0", what));
+    fault.value = fmt::format("{}", value);
+    return fault;
+}
+
+Diagnostic not_finite(const char* what, std::int32_t line) {
+    return fault_at(line, "VER0108", fmt::format("{} is not finite", what));
+}
+
+std::optional<Diagnostic> fault_in(const machine::Axis& axis) {
+    for (const double limit : {axis.feed.velocity, axis.feed.acceleration, axis.feed.jerk})
+        if (auto fault = not_positive(fmt::format("a limit of axis {}", axis.letter).c_str(), limit)) return fault;
+    return {};
+}
+
+std::optional<Diagnostic> fault_in(const CheckOptions& options) {
+    if (auto fault = not_positive("the tip tolerance", options.tip_tolerance_mm)) return fault;
+    if (auto fault = not_positive("the flank height", options.flank_height_mm)) return fault;
+    if (auto fault = not_positive("the limit excess", options.limit_excess)) return fault;
+    if (options.flank_tolerance_mm != 0) return not_positive("the flank tolerance", options.flank_tolerance_mm);
+    return not_positive("the orientation tolerance", options.orientation_tolerance_rad);
+}
+
+std::optional<Diagnostic> fault_in(const SetpointTable& setpoints, const std::vector<ProgrammedPose>& poses,
+                                   const machine::Machine& machine, const CheckOptions& options) {
+    if (setpoints.rows.empty()) return fault_at(0, "VER0301", "there are no setpoints to check");
+    if (poses.empty()) return fault_at(0, "VER0302", "there are no programmed poses to check against");
+    for (const auto& row : setpoints.rows)
+        for (const double x : row.position.v)
+            if (!std::isfinite(x)) return not_finite("a setpoint", row.line);
+    for (const auto& pose : poses)
+        if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return not_finite("a programmed pose", pose.line);
+    for (int i = 0; i < machine.axis_count; ++i)
+        if (auto fault = fault_in(machine.axes[i])) return fault;
+    return fault_in(options);
+}
+
+/// Whether the orientation is judged by the point at the flank height.
+bool by_flank(const CheckOptions& options) {
+    return options.flank_tolerance_mm > 0;
+}
+
+/// How far motion and programme may be apart in the joint space without breaking a tolerance.
+double joint_tolerance_mm(const CheckOptions& options) {
+    const double turn =
+        by_flank(options) ? options.flank_tolerance_mm : options.flank_height_mm * options.orientation_tolerance_rad;
+    return options.tip_tolerance_mm + turn;
+}
+
+Reach reach_for(const CheckOptions& options) {
+    const double tolerance = joint_tolerance_mm(options);
+    return {.window_mm = 0.3 + 4 * tolerance,
+            .lost_mm = 2 * tolerance,
+            .far_mm = 100,
+            .beam_mm2 = 0.25 + 4 * tolerance * tolerance};
+}
+
+/// A motion may go back on the path by so much.
+double slack_mm(const CheckOptions& options) {
+    return 0.02 + 0.5 * joint_tolerance_mm(options);
+}
+
+/// Keeps one field's worst value and its first breach.
+class Maximum {
+  public:
+    Maximum(const char* what, double limit, double slack) : what_(what), limit_(limit), slack_(slack) {}
+    void see(double value, const motion::Setpoint& row, std::int32_t line) {
+        worst_ = std::max(worst_, value);
+        if (!breach_ && !(value <= limit_ + slack_)) breach_ = Breach{what_, row.time_s, line, value, limit_};
+    }
+    double worst() const { return worst_; }
+    void tell(std::vector<Breach>& broken) const {
+        if (breach_) broken.push_back(*breach_);
+    }
+
+  private:
+    const char* what_;
+    double limit_, slack_;
+    double worst_ = 0;
+    std::optional<Breach> breach_;
+};
+
+/// Tip, angle and height together.
+class Maxima {
+  public:
+    Maxima(const char* tip, const char* angle, const char* height, const CheckOptions& options)
+        : tip_(tip, options.tip_tolerance_mm, length_slack_mm),
+          angle_(angle, by_flank(options) ? HUGE_VAL : options.orientation_tolerance_rad / degree, angle_slack_deg),
+          height_(height, by_flank(options) ? options.flank_tolerance_mm : HUGE_VAL, length_slack_mm) {}
+    void see(const Distance& distance, const motion::Setpoint& row, std::int32_t line) {
+        tip_.see(distance.tip_mm, row, line);
+        angle_.see(distance.angle_rad / degree, row, line);
+        height_.see(distance.height_mm, row, line);
+    }
+    void tell(std::vector<Breach>& broken) const {
+        for (const Maximum* one : {&tip_, &angle_, &height_}) one->tell(broken);
+    }
+    double tip_mm() const { return tip_.worst(); }
+    double angle_deg() const { return angle_.worst(); }
+    double height_mm() const { return height_.worst(); }
+
+  private:
+    Maximum tip_, angle_, height_;
+};
+
+/// Compares one motion with one programme.
+class Comparison {
+  public:
+    Comparison(const SetpointTable& setpoints, const std::vector<ProgrammedPose>& poses, const ProgrammedLine& line,
+               const Chain& chain, const CheckOptions& options)
+        : setpoints_(setpoints), poses_(poses), line_(line), options_(options) {
+        rows_.reserve(setpoints.rows.size());
+        for (const auto& row : setpoints.rows) rows_.push_back(chain.gauge(row.position));
+        places_ = places_in_order(line, rows_, reach_for(options));
+    }
+
+    std::vector<bool> rows_at_rapid() const {
+        std::vector<bool> out(places_.size());
+        for (std::size_t n = 0; n < out.size(); ++n) out[n] = line_.segments()[places_[n].segment].at_rapid;
+        return out;
+    }
+
+    void rows_from_path(Verdict& verdict) const {
+        Maxima maxima("tip_deviation_mm", "orientation_deviation_deg", "height_deviation_mm", options_);
+        for (std::size_t n = 0; n < rows_.size(); ++n) {
+            const Place& place = places_[n];
+            const Joint6 point = line_.heights().joint(rows_[n], line_.segments()[place.segment].tool_length_mm);
+            const Joint6 wanted = line_.at(place.segment, place.w).point;
+            maxima.see(distance_between(point, wanted, line_.heights()), setpoints_.rows[n], line_at(place));
+        }
+        verdict.tip_deviation_mm = maxima.tip_mm();
+        verdict.orientation_deviation_deg = maxima.angle_deg();
+        verdict.height_deviation_mm = maxima.height_mm();
+        maxima.tell(verdict.broken);
+    }
+
+    void poses_from_motion(Verdict& verdict) const {
+        Maxima maxima("tip_to_poses_mm", "orientation_to_poses_deg", "height_to_poses_mm", options_);
+        const PosePasses passes(line_, rows_, places_, reach_for(options_).window_mm);
+        for (std::size_t n = 0; n < poses_.size(); ++n) {
+            const auto pass = passes.at(n, line_.heights().joint(poses_[n].tip_mm, poses_[n].axis));
+            maxima.see(pass.distance, setpoints_.rows[pass.row], poses_[n].line);
+        }
+        verdict.tip_to_poses_mm = maxima.tip_mm();
+        verdict.orientation_to_poses_deg = maxima.angle_deg();
+        verdict.height_to_poses_mm = maxima.height_mm();
+        maxima.tell(verdict.broken);
+    }
+
+    void coverage(Verdict& verdict) const {
+        const auto farthest = std::max_element(places_.begin(), places_.end(),
+                                               [](const Place& a, const Place& b) { return a.way_mm < b.way_mm; });
+        const double length = line_.length_mm(), left = length - farthest->way_mm;
+        verdict.path_covered = left <= length_slack_mm ? 1.0 : farthest->way_mm / length;
+        if (left > joint_tolerance_mm(options_))
+            verdict.broken.push_back(
+                {"path_covered", setpoints_.rows.back().time_s, line_at(*farthest), verdict.path_covered, 1});
+    }
+
+    void ends(Verdict& verdict) const {
+        const auto error = [&](std::size_t row, std::size_t pose) {
+            return (rows_[row].tip_mm(line_.tool_length_mm(pose)) - poses_[pose].tip_mm).norm();
+        };
+        Maximum start("start_error_mm", options_.tip_tolerance_mm, length_slack_mm);
+        Maximum end("end_error_mm", options_.tip_tolerance_mm, length_slack_mm);
+        start.see(error(0, 0), setpoints_.rows.front(), poses_.front().line);
+        end.see(error(rows_.size() - 1, poses_.size() - 1), setpoints_.rows.back(), poses_.back().line);
+        verdict.start_error_mm = start.worst();
+        verdict.end_error_mm = end.worst();
+        start.tell(verdict.broken);
+        end.tell(verdict.broken);
+    }
+
+  private:
+    std::int32_t line_at(const Place& place) const {
+        return poses_[std::min(place.segment + 1, poses_.size() - 1)].line;
+    }
+
+    const SetpointTable& setpoints_;
+    const std::vector<ProgrammedPose>& poses_;
+    const ProgrammedLine& line_;
+    const CheckOptions& options_;
+    std::vector<Gauge> rows_;
+    std::vector<Place> places_;
+};
+
+}  // namespace
+
+const Breach* Verdict::first_of(std::string_view what) const {
+    const auto found = std::find_if(broken.begin(), broken.end(), [what](const Breach& b) { return b.what == what; });
+    return found == broken.end() ? nullptr : &*found;
+}
+
+Result<Verdict> check(const SetpointTable& setpoints, const std::vector<ProgrammedPose>& poses,
+                      const machine::Machine& machine, const machine::Setup& setup, const CheckOptions& options) {
+    if (auto fault = fault_in(setpoints, poses, machine, options)) return fail(std::move(*fault));
+    const Chain chain(machine, setup.workpiece);
+    const auto line = ProgrammedLine::make(
+        poses, machine, setup, chain,
+        {.flank_mm = options.flank_height_mm, .controlled_mm = options.controlled_height_mm}, slack_mm(options));
+    if (!line) return fail(line.error());
+    Verdict verdict;
+    verdict.rows = setpoints.rows.size();
+    verdict.period_s = setpoints.period_s;
+    verdict.cycle_time_s = setpoints.rows.back().time_s - setpoints.rows.front().time_s;
+    const Comparison comparison(setpoints, poses, *line, chain, options);
+    check_axes(setpoints, comparison.rows_at_rapid(), machine, options.limit_excess, verdict);
+    comparison.rows_from_path(verdict);
+    comparison.poses_from_motion(verdict);
+    comparison.coverage(verdict);
+    comparison.ends(verdict);
+    std::stable_sort(verdict.broken.begin(), verdict.broken.end(),
+                     [](const Breach& a, const Breach& b) { return a.time_s < b.time_s; });
+    verdict.ok = verdict.broken.empty();
+    return verdict;
+}
+
+}  // namespace trunnion::verify

@@ -1,0 +1,81 @@
+#include "trunnion/feed/feed_planner.hpp"
+
+#include <gtest/gtest.h>
+
+namespace trunnion::test {
+namespace {
+
+using feed::FeedPlanner;
+using feed::Interval;
+using motion::ProfilePiece;
+
+feed::LimitSet one_axis() {
+    feed::LimitSet limits;
+    limits.count = 1;
+    limits.axes[0] = {100, 1000, 20000};
+    return limits;
+}
+
+/// Intervals of one axis along p, graded towards both ends.
+std::vector<Interval> line(double length) {
+    std::vector<double> half;
+    for (double p = 0, h = 0.1; p < length / 2; p += h, h = std::min({2.0, 0.15 * p, length / 2 - p})) {
+        if (h < 1e-9) break;
+        half.push_back(h);
+    }
+    std::vector<double> sizes = half;
+    sizes.insert(sizes.end(), half.rbegin(), half.rend());
+    std::vector<Interval> out;
+    double p = 0;
+    for (const double h : sizes) {
+        Interval interval;
+        interval.begin = {0, p};
+        interval.length_mm = h;
+        for (auto& sample : interval.samples) sample.q1[0] = 1;
+        out.push_back(interval);
+        p += h;
+    }
+    return out;
+}
+
+TEST(FeedPlanner, CommitsWhileIntervalsCome) {
+    std::vector<ProfilePiece> pieces;
+    FeedPlanner planner(one_axis(), {.window = 100}, [&](const Interval&, const ProfilePiece& piece) { pieces.push_back(piece); });
+    std::size_t early = 0, most_waiting = 0, pushed = 0;
+    for (const Interval& interval : line(2000)) {
+        planner.push(interval);
+        ++pushed;
+        early = pieces.size();
+        most_waiting = std::max(most_waiting, pushed - pieces.size());
+    }
+    EXPECT_GT(early, pushed / 2);
+    EXPECT_LE(most_waiting, 8u * 150);
+    ASSERT_TRUE(planner.finish());
+    EXPECT_EQ(pieces.size(), pushed);
+    EXPECT_EQ(planner.counts().intervals, pushed);
+    const double exact = 2000.0 / 100 + 100.0 / 1000 + 1000.0 / 20000;
+    EXPECT_NEAR(pieces.back().begin_s + pieces.back().duration_s, exact, 0.002 * exact);
+    for (std::size_t k = 1; k + 1 < pieces.size(); ++k) EXPECT_EQ(pieces[k].kind, ProfilePiece::Kind::cubic) << "a stop inside, at " << k;
+}
+
+TEST(FeedPlanner, RefusesTooFewIntervals) {
+    FeedPlanner planner(one_axis(), {}, [](const Interval&, const ProfilePiece&) {});
+    planner.push(line(10)[0]);
+    const auto done = planner.finish();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, "FEED0003");
+}
+
+TEST(FeedPlanner, SaysWhenNothingCanBePlanned) {
+    FeedPlanner planner(one_axis(), {}, [](const Interval&, const ProfilePiece&) {});
+    for (Interval interval : line(10)) {
+        interval.samples[4].q2[0] = std::numeric_limits<double>::quiet_NaN();
+        planner.push(interval);
+    }
+    const auto done = planner.finish();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, "FEED0004");
+}
+
+}  // namespace
+}  // namespace trunnion::test

@@ -1,0 +1,80 @@
+#include "trunnion/files/output_file.hpp"
+
+#include <unistd.h>
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace trunnion::files {
+namespace {
+
+class OutputFileTest : public testing::Test {
+  protected:
+    OutputFileTest() : folder_(std::filesystem::path(testing::TempDir()) / fmt::format("trunnion_output_file_{}", ::getpid())) {
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+    }
+    ~OutputFileTest() override { std::filesystem::remove_all(folder_); }
+    std::size_t files_there() const {
+        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
+    }
+    std::filesystem::path folder_;
+};
+
+TEST_F(OutputFileTest, appears_only_when_it_is_complete) {
+    auto file = OutputFile::create(folder_ / "a.csv");
+    ASSERT_TRUE(file);
+    file->write("one\n");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "a.csv"));
+    file->write("two\n");
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(read_whole_file(folder_ / "a.csv").value(), "one\ntwo\n");
+    EXPECT_EQ(files_there(), 1u);
+}
+
+TEST_F(OutputFileTest, leaves_nothing_behind_without_commit) {
+    {
+        auto file = OutputFile::create(folder_ / "a.csv");
+        file->write("half");
+        auto moved = std::move(*file);
+        moved.write(" of it");
+    }
+    EXPECT_EQ(files_there(), 0u);
+}
+
+TEST_F(OutputFileTest, keeps_the_old_file_until_the_new_one_is_complete) {
+    auto first = OutputFile::create(folder_ / "a.csv");
+    first->write("old");
+    ASSERT_TRUE(first->commit());
+    {
+        auto second = OutputFile::create(folder_ / "a.csv");
+        second->write("new");
+    }
+    EXPECT_EQ(read_whole_file(folder_ / "a.csv").value(), "old");
+}
+
+TEST_F(OutputFileTest, compresses_by_name_and_reads_it_back) {
+    const std::string text(100000, 'x');
+    auto file = OutputFile::create(folder_ / "a.csv.gz");
+    file->write(text);
+    ASSERT_TRUE(file->commit());
+    EXPECT_LT(std::filesystem::file_size(folder_ / "a.csv.gz"), 2000u);
+    EXPECT_EQ(read_whole_file(folder_ / "a.csv.gz").value(), text);
+}
+
+TEST_F(OutputFileTest, says_what_cannot_be_written_or_read) {
+    EXPECT_EQ(OutputFile::create(folder_ / "no/such/folder/a.csv").error().code, "FILE0201");
+    EXPECT_EQ(read_whole_file(folder_ / "missing").error().code, "FILE0203");
+    EXPECT_EQ(read_whole_file(folder_).error().code, "FILE0203");
+    std::filesystem::create_directory(folder_ / "taken");
+    auto file = OutputFile::create(folder_ / "taken");
+    ASSERT_TRUE(file);
+    file->write("x");
+    EXPECT_EQ(file->commit().error().code, "FILE0202");
+    EXPECT_EQ(files_there(), 1u);
+}
+
+}  // namespace
+}  // namespace trunnion::files

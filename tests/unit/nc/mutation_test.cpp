@@ -1,0 +1,118 @@
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "reading.hpp"
+
+namespace trunnion::nc {
+namespace {
+
+/// Xorshift: the same numbers on every platform.
+struct Random {
+    std::uint64_t state;
+    std::size_t below(std::size_t bound) {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        return static_cast<std::size_t>(state >> 16) % bound;
+    }
+};
+
+constexpr std::string_view seeds[] = {
+    "%\nN1 (a) G21 G90 G94 G54\nT8 M6 S3500 M3\nG0 X0 Y0 Z10 A0 C0 ; b\ng1x  1.5y- 2z.5a+30.c11f600\nG91 X2\nG4 P2.5\n"
+    "G93 G1 A45 F3\nM429\nG90 G0 X1 Y1 Z1\nM428 G53 X0 Y0 Z0\nG20 G61 G0 X1 Y1 Z1 E4\n/X4\nM30\n%\n",
+    "PARTNO a\nUNITS/MM\nPPWORD/A,1\nLOADTL/8\nMULTAX/ON\nFROM/0,0,9,0,0,1\nRAPID\nGOTO/0,0,1\nFEDRAT/6,MMPM\n"
+    "GOTO / 1.5, -2.,.5, $ c\n 0.0, 0.6, $\n0.8 $$ "
+    "d\nDELAY/2\nMSYS/0,0,0,1,0,0,0,1,0\nTLAXIS/0,0,1\ngoto/2,0,0\nFINI\n",
+    "0 0 0 0 0 1\n1 2 3 0 0.6 0.8\n1,2,4,0.6,0,0.8\n-1e-5 2 .5 0 0 1\n",
+};
+constexpr std::string_view pieces[] = {"$",
+                                       "$$",
+                                       "/",
+                                       "(",
+                                       ")",
+                                       "%",
+                                       ";",
+                                       "\n",
+                                       "\r\n",
+                                       ",",
+                                       "-",
+                                       "E",
+                                       "G",
+                                       "X",
+                                       "1e999",
+                                       "#",
+                                       "[",
+                                       "nan",
+                                       "99",
+                                       ".",
+                                       " ",
+                                       "F0",
+                                       "G2",
+                                       "M2",
+                                       "\xff",
+                                       "GOTO/",
+                                       "=",
+                                       "\t",
+                                       "0",
+                                       "UNITS/IN",
+                                       "G91",
+                                       "G54.1",
+                                       "M6",
+                                       "T99999999999999999999",
+                                       std::string_view("\0", 1)};
+
+std::string mutated(std::string text, Random& random) {
+    for (std::size_t changes = 1 + random.below(4); changes > 0; --changes) {
+        const std::size_t at = random.below(text.size() + 1);
+        const std::size_t kind = random.below(5);
+        const std::size_t amount = 1 + random.below(9);
+        if (kind == 0) text.insert(at, pieces[random.below(std::size(pieces))]);
+        if (kind == 1) text.erase(at, amount);
+        if (kind == 2) text.resize(at);
+        if (kind == 3) text.insert(at, text.substr(random.below(text.size() + 1), amount));
+        if (kind == 4 && at < text.size()) text[at] = static_cast<char>(random.below(256));
+    }
+    return text;
+}
+
+void expect_sound(const program::Program& p) {
+    ASSERT_GE(p.moves.size(), 2u);
+    for (const program::Move& move : p.moves) {
+        ASSERT_TRUE(move.position_mm.allFinite());
+        ASSERT_NEAR(move.axis.norm(), 1, 1e-12);
+        for (const double word : move.rotary_rad) ASSERT_TRUE(std::isfinite(word));
+        ASSERT_TRUE(std::isfinite(move.feed.value) && move.feed.value >= 0);
+        ASSERT_LT(move.tool, p.tools.size());
+        ASSERT_LT(move.offset, p.offsets.size());
+    }
+    for (const program::Event& event : p.events) ASSERT_LE(event.before_move, p.moves.size());
+}
+
+TEST(Mutations, ReadOrRefusedButSound) {
+    constexpr std::uint64_t seed = 20250714;
+    SCOPED_TRACE(seed);
+    RecordProperty("seed", std::to_string(seed));
+    Random random{seed};
+    int read = 0, refused = 0;
+    for (int i = 0; i < 6000; ++i) {
+        const std::string text = mutated(std::string(seeds[random.below(std::size(seeds))]), random);
+        ReadOptions options;
+        options.feed_given_elsewhere = random.below(2) == 0;
+        if (random.below(4) == 0) options.dialect = random.below(2) == 0 ? Dialect::apt : Dialect::rs274;
+        const auto program = read_ac(text, options);
+        SCOPED_TRACE(text);
+        if (program)
+            expect_sound(*program);
+        else
+            ASSERT_TRUE(program.error().code.starts_with("NC0") && !program.error().text.empty());
+        ++(program ? read : refused);
+    }
+    EXPECT_GT(read, 300) << "the mutations should leave some programs readable";
+    EXPECT_GT(refused, 300);
+}
+
+}  // namespace
+}  // namespace trunnion::nc

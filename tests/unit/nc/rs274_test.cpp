@@ -1,0 +1,187 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "trunnion/base/quantity.hpp"
+
+#include "reading.hpp"
+
+namespace trunnion::nc {
+namespace {
+
+using program::EventKind;
+using program::FeedRule;
+using program::MoveKind;
+using program::Space;
+
+TEST(Rs274, WholeProgram) {
+    const auto p = read_ac(
+        "%\n"
+        "N10 (made by hand) G21 G90 G94 G17 G40 G49 G80 G54\n"
+        "T8 M6 S3500 M3\n"
+        "G0 X0 Y0 Z10 A0 C0 ; start\n"
+        "g1x  1.5y- 2z.5a+30.c111511f600\n"
+        "X2\n"
+        "G4 P2.5\n"
+        "M8\n"
+        "/X99\n"
+        "G1 A45\n"
+        "M1\n"
+        "G55 X0 Y0 Z0\n"
+        "M30\n"
+        "G2 X9\n"
+        "%\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->dialect, "rs274");
+    EXPECT_EQ(p->rotary_letters, (std::vector<char>{'A', 'C'}));
+    ASSERT_EQ(p->moves.size(), 5u);
+    EXPECT_EQ(p->moves[1].position_mm, Eigen::Vector3d(1.5, -2, .5));
+    EXPECT_DOUBLE_EQ(p->moves[1].rotary_rad[0], 30 * degree);
+    EXPECT_DOUBLE_EQ(p->moves[1].rotary_rad[1], 111511 * degree) << "rotary words are literal";
+    EXPECT_EQ(p->moves[1].feed, (program::Feed{FeedRule::tip_speed, 10}));
+    EXPECT_EQ(p->moves[1].law, program::OrientationLaw::rotary);
+    EXPECT_EQ(p->moves[1].line, 5);
+    EXPECT_EQ(p->moves[2].position_mm, Eigen::Vector3d(2, -2, .5)) << "modal motion";
+    EXPECT_EQ(p->moves[3].feed.rule, FeedRule::rotary_rate);
+    EXPECT_DOUBLE_EQ(p->moves[3].feed.value, 10 * degree);
+    EXPECT_EQ(p->tools.at(p->moves[1].tool), "8");
+    EXPECT_EQ(p->offsets.at(p->moves[3].offset), "G54");
+    EXPECT_EQ(p->offsets.at(p->moves[4].offset), "G55");
+
+    const std::vector<std::tuple<std::string, EventKind, bool, std::size_t>> expected = {
+        {"S3500", EventKind::spindle, false, 0}, {"T8", EventKind::tool, false, 0},
+        {"M6", EventKind::tool, true, 0},        {"M3", EventKind::spindle, true, 0},
+        {"G4 P2.5", EventKind::dwell, true, 3},  {"M8", EventKind::coolant, false, 3},
+        {"M1", EventKind::stop, true, 4},        {"M30", EventKind::stop, true, 5}};
+    ASSERT_EQ(p->events.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const program::Event& e = p->events[i];
+        EXPECT_EQ((std::tuple{e.word, e.kind, e.stops_motion, e.before_move}), expected[i]);
+    }
+    EXPECT_EQ(p->events[4].dwell_s, 2.5);
+    EXPECT_TRUE(told(*p, "NC0016"));
+    EXPECT_TRUE(told(*p, "NC0014"));
+    EXPECT_EQ(p->diagnostics.size(), 2u);
+}
+
+TEST(Rs274, BlanksMeanNothingEvenInNumbers) {
+    const auto p = read_ac("G 2 1\nG0 X0 Y0 Z0\nG1 X 1 2 . 5 Y - 1 F6 0\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves.at(1).position_mm, Eigen::Vector3d(12.5, -1, 0));
+    EXPECT_DOUBLE_EQ(p->moves[1].feed.value, 1);
+}
+
+TEST(Rs274, StartsAtTheFirstPoseThatIsKnownWhole) {
+    const auto p = read_ac("G21 G0 X0 Y0\nM3\nG0 Z0\nG1 X1 F60\nM8\nG1 X2 C10\nM9\nX3\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->rotary_letters, std::vector<char>{'C'});
+    ASSERT_EQ(p->moves.size(), 2u);
+    EXPECT_EQ(p->moves[0].position_mm.x(), 2);
+    EXPECT_DOUBLE_EQ(p->moves[0].rotary_rad[0], 10 * degree);
+    EXPECT_EQ(p->moves[0].rotary_rad[1], 0) << "no unknown value is left in a move";
+    EXPECT_EQ(told(*p, "NC0013")->count, 3);
+    EXPECT_EQ(p->events[0].before_move, 0u);
+    EXPECT_EQ(p->events[1].before_move, 0u);
+    EXPECT_EQ(p->events[2].before_move, 1u);
+}
+
+TEST(Rs274, WithoutRotaryWordsNoMachineIsNeeded) {
+    const auto p = read_program("G21 G0 X0 Y0 Z0\nG1 X1 F60\n", "a", {});
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_TRUE(p->rotary_letters.empty());
+    EXPECT_EQ(p->moves[1].law, program::OrientationLaw::rotary);
+    EXPECT_TRUE(p->diagnostics.empty());
+}
+
+TEST(Rs274, InchScalesLengthsAndFeedsOnly) {
+    const auto p = read_ac("G20\nG0 X0 Y0 Z0 A0\nG1 X1 A90 F60\nG1 A0\nG21\nG1 X1\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_DOUBLE_EQ(p->moves[1].position_mm.x(), 25.4);
+    EXPECT_DOUBLE_EQ(p->moves[1].rotary_rad[0], 90 * degree);
+    EXPECT_DOUBLE_EQ(p->moves[1].feed.value, 25.4);
+    EXPECT_DOUBLE_EQ(p->moves[2].feed.value, degree) << "deg/min in either unit";
+    EXPECT_DOUBLE_EQ(p->moves[3].position_mm.x(), 1);
+    EXPECT_DOUBLE_EQ(p->moves[3].feed.value, 25.4) << "a change of unit leaves the feed as it is";
+}
+
+TEST(Rs274, UnitOverruled) {
+    ReadOptions options;
+    options.units = Units::mm;
+    const auto p = read_ac("G20\nG0 X0 Y0 Z0\nG1 X1 F60\n", options);
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves[1].position_mm.x(), 1);
+    EXPECT_DOUBLE_EQ(p->moves[1].feed.value, 1);
+    EXPECT_TRUE(told(*p, "NC0018"));
+    EXPECT_TRUE(told(*read_ac("G0 X0 Y0 Z0\nG1 X1 F60\n"), "NC0011"));
+}
+
+TEST(Rs274, FeedBesideAChangeOfUnitCountsInTheOldOne) {
+    const auto p = read_ac("G0 X0 Y0 Z0\nG20 G1 X1 F60\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_DOUBLE_EQ(p->moves[1].feed.value, 1);
+    EXPECT_TRUE(told(*p, "NC0017"));
+}
+
+TEST(Rs274, Incremental) {
+    const auto p = read_ac("G21 G0 X1 Y1 Z1 A10\nG91 G1 X1 A10 F60\nX1 Y-1\nG90 X0\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves[2].position_mm, Eigen::Vector3d(3, 0, 1));
+    EXPECT_DOUBLE_EQ(p->moves[2].rotary_rad[0], 20 * degree);
+    EXPECT_EQ(p->moves[3].position_mm, Eigen::Vector3d(0, 0, 1));
+}
+
+TEST(Rs274, InverseTime) {
+    const auto p = read_ac("G21 G93 G0 X0 Y0 Z0 A0\nG1 X1 F120\nA10 F30\nG0 X5\nG94 G1 X0 F60\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves[1].feed, (program::Feed{FeedRule::block_time, 0.5}));
+    EXPECT_EQ(p->moves[2].feed, (program::Feed{FeedRule::block_time, 2}));
+    EXPECT_EQ(p->moves[3].feed.rule, FeedRule::none);
+    EXPECT_EQ(p->moves[4].feed, (program::Feed{FeedRule::tip_speed, 1}));
+}
+
+TEST(Rs274, FeedGivenElsewhere) {
+    ReadOptions options;
+    options.feed_given_elsewhere = true;
+    const auto p = read_ac("G21 G0 X0 Y0 Z0 A0\nG1 X1\nA5\nG93 X2\n", options);
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves[1].feed, (program::Feed{FeedRule::tip_speed, 0}));
+    EXPECT_EQ(p->moves[2].feed, (program::Feed{FeedRule::rotary_rate, 0}));
+    EXPECT_EQ(p->moves[3].feed, (program::Feed{FeedRule::tip_speed, 0}));
+}
+
+TEST(Rs274, WordsOfTheControl) {
+    const auto p = read_ac(
+        "M428 G21 G0 X0 Y0 Z0 A0 E1\nG1 X1 E2 F60\nM64 P1\nM429\nG0 X5 Y6 Z7\nG53 G0 X0 Y0 Z0\nM428\nG0 X1 Y1 Z1\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(told(*p, "NC0012", "E")->count, 2);
+    EXPECT_EQ(p->diagnostics.size(), 1u) << "M64 passes silently";
+    ASSERT_EQ(p->moves.size(), 5u);
+    const Space expected[] = {Space::workpiece, Space::workpiece, Space::machine, Space::machine, Space::workpiece};
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(p->moves[i].space, expected[i]) << i;
+    EXPECT_EQ(p->offsets.at(p->moves[2].offset), "G54");
+    EXPECT_EQ(p->moves[3].offset, 0) << "G53 knows no offset";
+}
+
+TEST(Rs274, ExactStop) {
+    const auto p = read_ac("G21 G0 X0 Y0 Z0\nG61 G1 X1 F60\nX2\nG64 P0.01\nX3\nG61.1 X4\n");
+    ASSERT_TRUE(p) << said(p);
+    const bool expected[] = {false, true, true, false, true};
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(p->moves[i].exact_stop, expected[i]) << i;
+    EXPECT_TRUE(told(*p, "NC0012", "G64 P"));
+}
+
+TEST(Rs274, ToolsChangeWithM6Only) {
+    const auto p = read_ac("G21 T1 M6\nG0 X0 Y0 Z0\nT02\nX1\nM6\nX2\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->tools.at(p->moves[1].tool), "1");
+    EXPECT_EQ(p->tools.at(p->moves[2].tool), "2");
+}
+
+TEST(Rs274, BlocksThatChangeNothingAreLeftOut) {
+    const auto p = read_ac("G21 G0 X0 Y0 Z0 C0\nX0\nG1 X1 F60\nX1 Y0\nX1 C0\nC360\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves.size(), 3u) << "a whole turn is a move";
+}
+
+}  // namespace
+}  // namespace trunnion::nc

@@ -1,0 +1,149 @@
+#include "trunnion/path/axis_path.hpp"
+
+#include <gtest/gtest.h>
+
+#include "trunnion_table.hpp"
+
+namespace trunnion::path {
+namespace {
+
+using machine::Frame;
+using machine::Kinematics;
+
+/// A tip path and tool axis with third-degree terms, law vector, in two pieces of 10 mm that continue each other.
+ToolPath curved(const Kinematics& kinematics) {
+    ToolPath path;
+    path.kinematics = &kinematics;
+    for (int k = 0; k < 2; ++k) {
+        PathPiece piece{10.0 * k, 10.0, {}};
+        const auto polynomial = [&](double c0, double c1, double c2, double c3) {  // in p, shifted to the piece
+            const double a = piece.begin_mm, h = piece.length_mm;
+            return std::array<double, 8>{c0 + c1 * a + c2 * a * a + c3 * a * a * a, (c1 + 2 * c2 * a + 3 * c3 * a * a) * h,
+                                         (c2 + 3 * c3 * a) * h * h, c3 * h * h * h};
+        };
+        piece.coefficient = {polynomial(1, 0.9, 0.01, -0.002), polynomial(-3, 0.2, 0.03, 0.001), polynomial(40, -0.1, 0.02, 0.0005),
+                             polynomial(0.2, 0.01, 0.002, 0), polynomial(-0.3, 0.02, 0, -0.0001), polynomial(0.9, 0, 0.001, 0)};
+        path.pieces.push_back(piece);
+    }
+    path.blocks.push_back({0, 20, {FeedRule::tip_speed, 50}, 1, 20});
+    return path;
+}
+
+TEST(AxisPath, holds_the_pose_and_is_differentiated_exactly) {
+    for (const bool reversed : {false, true}) {
+        const auto machine = trunnion_table(reversed);
+        const auto kinematics = Kinematics::make(machine, Frame{{5, -7, 50}, Eigen::Matrix3d::Identity()}, 80);
+        ASSERT_TRUE(kinematics);
+        const ToolPath tool_path = curved(*kinematics);
+        const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+        ASSERT_TRUE(path);
+        for (const PathPlace place : {PathPlace{0, 0.3}, PathPlace{0, 7.7}, PathPlace{1, 4.0}}) {
+            AxisSample at;
+            path->evaluate(place, at);
+            const auto pose = kinematics->forward(path->position(place));
+            for (int k = 0; k < 3; ++k) {
+                EXPECT_NEAR(pose.tip_in_workpiece_mm[k], at.tip[k].value(), 1e-11);
+                EXPECT_NEAR(pose.axis_in_workpiece[k], at.tool_axis[k].value(), 1e-14);
+            }
+            constexpr double h = 0.02;
+            const auto q = [&](double d) { return path->position({place.piece, place.offset_mm + d}); };
+            const auto a = q(-2 * h), b = q(-h), m = q(0), c = q(h), d = q(2 * h);
+            for (int i = 0; i < 5; ++i) {
+                EXPECT_NEAR((a[i] - 8 * b[i] + 8 * c[i] - d[i]) / (12 * h), at.axes[i].d1(), 1e-7);
+                EXPECT_NEAR((-a[i] + 16 * b[i] - 30 * m[i] + 16 * c[i] - d[i]) / (12 * h * h), at.axes[i].d2(), 1e-6);
+                EXPECT_NEAR((-a[i] + 2 * b[i] - 2 * c[i] + d[i]) / (2 * h * h * h), at.axes[i].d3(), 1e-3 * (1 + std::abs(at.axes[i].d3())));
+            }
+        }
+    }
+}
+
+/// The tool axis goes from 10° on one side to 10° on the other and passes the pole at `beside_rad`.
+ToolPath past_the_pole(const Kinematics& kinematics, double beside_rad) {
+    ToolPath path;
+    path.kinematics = &kinematics;
+    PathPiece piece{0, 40, {}};
+    piece.coefficient[0] = {-20, 40};
+    piece.coefficient[3] = {-0.18, 0.36};
+    piece.coefficient[4] = {std::tan(beside_rad)};
+    piece.coefficient[5] = {1};
+    path.pieces.push_back(piece);
+    path.blocks.push_back({0, 40, {FeedRule::tip_speed, 50}, 1, 40});
+    return path;
+}
+
+TEST(AxisPath, follows_one_branch_beside_the_pole) {
+    const auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    for (const double beside : {1e-2, 1e-4, 1e-6}) {
+        const ToolPath tool_path = past_the_pole(*kinematics, beside);
+        const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+        ASSERT_TRUE(path) << to_string(path.error());
+        const auto begin = path->begin_position(), end = path->end_position();
+        EXPECT_NEAR(std::abs(end[4] - begin[4]), 180 * degree, 4 * beside / 0.18 + 1e-6);
+        EXPECT_NEAR(begin[3], end[3], 1e-9);
+        for (std::size_t k = 1; k < path->stations().size(); ++k) {
+            const auto a = path->position(path->stations()[k - 1]), b = path->position(path->stations()[k]);
+            EXPECT_LT(std::abs(a[4] - b[4]), 21 * degree);
+        }
+    }
+}
+
+TEST(AxisPath, straight_through_the_pole_keeps_c) {
+    const auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    const ToolPath tool_path = past_the_pole(*kinematics, 0);
+    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    ASSERT_TRUE(path) << to_string(path.error());
+    EXPECT_NEAR(path->begin_position()[4], path->end_position()[4], 1e-9);
+    EXPECT_NEAR(path->begin_position()[3], -path->end_position()[3], 1e-9);
+}
+
+TEST(AxisPath, continues_the_winding_it_is_given) {
+    const auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    const ToolPath tool_path = curved(*kinematics);
+    const auto first = AxisPath::make(tool_path, machine, nullptr, {});
+    auto wound = first->begin_position();
+    wound[4] += 4 * std::numbers::pi;
+    const auto second = AxisPath::make(tool_path, machine, &wound, {});
+    ASSERT_TRUE(second);
+    EXPECT_NEAR(second->end_position()[4] - first->end_position()[4], 4 * std::numbers::pi, 1e-12);
+}
+
+TEST(AxisPath, takes_the_branch_inside_the_ranges) {
+    auto machine = trunnion_table();
+    machine.axes[3].range_max = 5 * degree;  // only the branch with negative A is left
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    const ToolPath tool_path = curved(*kinematics);
+    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    ASSERT_TRUE(path) << to_string(path.error());
+    EXPECT_LT(path->begin_position()[3], 0);
+}
+
+TEST(AxisPath, says_which_axis_leaves_its_range) {
+    auto machine = trunnion_table();
+    machine.axes[2].range_max = 30;
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    const ToolPath tool_path = curved(*kinematics);
+    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    ASSERT_FALSE(path);
+    EXPECT_EQ(path.error().code, "PATH0102");
+    EXPECT_NE(path.error().text.find("axis Z"), std::string::npos);
+    EXPECT_EQ(path.error().place.line, 1);
+}
+
+TEST(AxisPath, refuses_an_orientation_out_of_reach) {
+    auto machine = trunnion_table();
+    machine.axis_count = 3;
+    machine.rotary_count = 0;
+    machine.chain = {0, 1, 2};
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    ASSERT_TRUE(kinematics);
+    const ToolPath tool_path = curved(*kinematics);
+    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    ASSERT_FALSE(path);
+    EXPECT_EQ(path.error().code, "PATH0101");
+}
+
+}  // namespace
+}  // namespace trunnion::path
