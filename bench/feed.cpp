@@ -1,7 +1,8 @@
 #include <benchmark/benchmark.h>
 
-#include "../tests/unit/feed/synthetic_paths.hpp"
 #include "trunnion/feed/plan_stretch.hpp"
+
+#include "../tests/unit/feed/synthetic_paths.hpp"
 
 namespace {
 
@@ -15,8 +16,8 @@ void plan_corners(benchmark::State& state) {
         const auto plan = feed::plan_stretch(*path.axis_path, {.window = static_cast<std::size_t>(state.range(0))});
         intervals += plan->intervals;
     }
-    state.counters["us_per_interval"] =
-        benchmark::Counter(1e-6 * static_cast<double>(intervals), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    state.counters["us_per_interval"] = benchmark::Counter(1e-6 * static_cast<double>(intervals),
+                                                           benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(plan_corners)->Arg(200)->Arg(300)->Arg(600)->Arg(2000)->Unit(benchmark::kMillisecond);
 

@@ -32,9 +32,21 @@ Motion motion_at(const ProfilePiece& piece, double delta) {
     return {x, piece.d0 + delta * (piece.e0 + delta * third / 2), root, e * root};
 }
 
-/// Largest |f| by the samples and by the parabolas through every three of them that turn near the limit; infinite where
-/// a sample is not finite.
-double peak(const Samples& f) {
+/// Largest third difference of the samples around sample i.
+double third_difference(const Samples& f, int i) {
+    double largest = 0;
+    for (int k = std::max(i - 2, 0); k <= std::min(i - 1, samples_per_interval - 4); ++k)
+        largest = std::max(largest, std::abs(f[k + 3] - f[k] - 3 * (f[k + 2] - f[k + 1])));
+    return largest;
+}
+
+/// What a parabola leaves out of a rest arc's load, in third differences: the largest of |t(t² − 1)|/6. Arcs are not
+/// gridded finer where the path turns, and have no freedom to follow it.
+constexpr double left_out_of_arcs = 0.064;
+
+/// Largest |f| by the samples and by the parabolas through every three of them that turn near the limit, plus `left_out`
+/// third differences; infinite where a sample is not finite.
+double peak(const Samples& f, double left_out) {
     constexpr double near = 0.97;
     if (!std::isfinite(std::accumulate(f.begin(), f.end(), 0.0))) return std::numeric_limits<double>::infinity();
     double largest = std::max(std::abs(f.front()), std::abs(f.back()));
@@ -42,7 +54,8 @@ double peak(const Samples& f) {
         largest = std::max(largest, std::abs(f[i]));
         if (std::abs(f[i]) < near) continue;
         const double bend = f[i - 1] - 2 * f[i] + f[i + 1], tilt = (f[i + 1] - f[i - 1]) / 2;
-        if (std::abs(tilt) < std::abs(bend)) largest = std::max(largest, std::abs(f[i] - tilt * tilt / (2 * bend)));
+        if (std::abs(tilt) < std::abs(bend))
+            largest = std::max(largest, std::abs(f[i] - tilt * tilt / (2 * bend)) + left_out * third_difference(f, i));
     }
     return largest;
 }
@@ -50,7 +63,8 @@ double peak(const Samples& f) {
 }  // namespace
 
 double Peaks::worst() const {
-    return std::max({feed, *std::ranges::max_element(velocity), *std::ranges::max_element(acceleration), *std::ranges::max_element(jerk)});
+    return std::max({feed, *std::ranges::max_element(velocity), *std::ranges::max_element(acceleration),
+                     *std::ranges::max_element(jerk)});
 }
 
 Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits) {
@@ -68,11 +82,13 @@ Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitS
             const PathSample& s = interval.samples[i];
             velocity[i] = s.q1[a] * m[i].root / limit.velocity;
             acceleration[i] = (s.q2[a] * m[i].x + 0.5 * s.q1[a] * m[i].d) * per_acceleration;
-            jerk[i] = ((s.q3[a] * m[i].x + 1.5 * s.q2[a] * m[i].d) * m[i].root + 0.5 * s.q1[a] * m[i].e_root) * per_jerk;
+            jerk[i] =
+                ((s.q3[a] * m[i].x + 1.5 * s.q2[a] * m[i].d) * m[i].root + 0.5 * s.q1[a] * m[i].e_root) * per_jerk;
         }
-        out.velocity[a] = peak(velocity);
-        out.acceleration[a] = peak(acceleration);
-        out.jerk[a] = peak(jerk);
+        const double left_out = piece.kind == ProfilePiece::Kind::cubic ? 0 : left_out_of_arcs;
+        out.velocity[a] = peak(velocity, left_out);
+        out.acceleration[a] = peak(acceleration, left_out);
+        out.jerk[a] = peak(jerk, left_out);
     }
     return out;
 }

@@ -12,7 +12,7 @@ using motion::ProfilePiece;
 namespace {
 
 constexpr std::size_t smallest_window = 16, largest_growth = 8;
-constexpr std::size_t kept_behind_stop = 3;   // enough for a start from rest
+constexpr std::size_t kept_behind_stop = 3;  // enough for a start from rest
 constexpr double tail_of_stopping_distance = 1.5;
 
 double middle_x(const ProfilePiece& piece) {
@@ -25,7 +25,11 @@ double middle_x(const ProfilePiece& piece) {
 class FeedPlanner::State {
   public:
     State(const LimitSet& limits, const PlannerOptions& options, Sink sink)
-        : limits_(limits), calm_(options.calm), base_(std::max(options.window, smallest_window)), window_(base_), sink_(std::move(sink)),
+        : limits_(limits),
+          calm_(options.calm),
+          base_(std::max(options.window, smallest_window)),
+          window_(base_),
+          sink_(std::move(sink)),
           scan_(limits) {}
 
     void push(const Interval& interval) {
@@ -59,9 +63,9 @@ class FeedPlanner::State {
     Sink sink_;
     JerkFreeScan scan_;
     WindowSolver solver_;
-    std::vector<Interval> intervals_;      // not yet committed
-    std::vector<Tightening> tightening_;   // of them
-    std::vector<ProfilePiece> plan_;       // of the first of them, to rest; empty at rest
+    std::vector<Interval> intervals_;     // not yet committed
+    std::vector<Tightening> tightening_;  // of them
+    std::vector<ProfilePiece> plan_;      // of the first of them, to rest; empty at rest
     std::vector<double> known_middle_;
     double time_s_ = 0;
     bool failed_ = false;
@@ -102,14 +106,16 @@ std::size_t FeedPlanner::State::commit_count(std::size_t size) const {
         rise = plan_[k].x0;
     }
     std::size_t count = plan_.size();
-    for (double left = 0; count > 0 && left < tail_of_stopping_distance * stopping; --count) left += plan_[count - 1].length_mm;
+    for (double left = 0; count > 0 && left < tail_of_stopping_distance * stopping; --count)
+        left += plan_[count - 1].length_mm;
     return std::min(count, size / 2);
 }
 
 void FeedPlanner::State::step(std::size_t size) {
     const bool last = size == intervals_.size();
     const std::size_t planned = last ? size : stop_interval(size) + 1;
-    const WindowProblem window = problem(planned);
+    WindowProblem window = problem(planned);
+    if (!last) window.far_from = planned / 2;
     WindowPlan plan = solver_.solve(window);
     ++counts_.windows;
     counts_.iterations += plan.iterations;
@@ -119,12 +125,13 @@ void FeedPlanner::State::step(std::size_t size) {
     plan_ = std::move(plan.pieces);
     if (last) return commit(plan_.size(), size, true);
     const std::size_t count = commit_count(planned);
-    if (count >= planned / 8 || window_ >= largest_growth * base_) return commit(std::max<std::size_t>(count, 1), size, false);
+    if (count >= planned / 8 || window_ >= largest_growth * base_)
+        return commit(std::max<std::size_t>(count, 1), size, false);
     window_ *= 2;  // the stopping distance is long here: look farther before committing
 }
 
-/// The plan in hand is a checked motion to rest: half of it is used and planning tried again from there. From rest there
-/// is always a plan unless the path itself is broken.
+/// The plan in hand is a checked motion to rest: half of it is used and planning tried again from there. From rest
+/// there is always a plan unless the path itself is broken.
 void FeedPlanner::State::keep_old_plan(std::size_t size) {
     if (!plan_.empty()) return commit((plan_.size() + 1) / 2, size, false);
     failed_ = true;
@@ -141,7 +148,9 @@ void FeedPlanner::State::commit(std::size_t count, std::size_t scanned, bool las
         time_s_ += piece.duration_s;
         sink_(intervals_[k], piece);
     }
-    const auto drop = [count](auto& from) { from.erase(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count)); };
+    const auto drop = [count](auto& from) {
+        from.erase(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
+    };
     drop(plan_);
     drop(intervals_);
     drop(tightening_);
@@ -153,7 +162,9 @@ FeedPlanner::~FeedPlanner() = default;
 FeedPlanner::FeedPlanner(FeedPlanner&&) noexcept = default;
 FeedPlanner& FeedPlanner::operator=(FeedPlanner&&) noexcept = default;
 
-void FeedPlanner::push(const Interval& interval) { state_->push(interval); }
+void FeedPlanner::push(const Interval& interval) {
+    state_->push(interval);
+}
 Result<void> FeedPlanner::finish() {
     Diagnostic problem;
     if (state_->counts().intervals < kept_behind_stop) {
@@ -167,6 +178,8 @@ Result<void> FeedPlanner::finish() {
     problem.hint = "its derivatives may be too large to compute with";
     return fail(problem);
 }
-const PlannerCounts& FeedPlanner::counts() const { return state_->counts(); }
+const PlannerCounts& FeedPlanner::counts() const {
+    return state_->counts();
+}
 
 }  // namespace trunnion::feed

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "detail/rest_arc.hpp"
 #include "trunnion/feed/plan_stretch.hpp"
+
+#include "detail/rest_arc.hpp"
 
 namespace trunnion::feed {
 namespace {
@@ -13,16 +14,17 @@ using path::AxisPath;
 using path::AxisSample;
 using path::PathPlace;
 
-constexpr double turn_tolerance = 0.004;   // how far q′ may bend from its chord within an interval, of the leading axis' q′
+constexpr double turn_tolerance =
+    0.004;  // how far q′ may bend from its chord within an interval, of the leading axis' q′
 constexpr double largest_mm = 5;
-constexpr double growth = 0.4;            // of the size per mm: neighbours differ by up to e^0.4
-constexpr double rest_growth = 0.14;      // ln 1.15
+constexpr double growth = 0.4;        // of the size per mm: neighbours differ by up to e^0.4
+constexpr double rest_growth = 0.14;  // ln 1.15
 // An arc must be short beside the way to the next corner: the speed turns down again long before it.
 constexpr double arc_share_of_path = 0.01, arc_share_of_segment = 0.04;
 constexpr int shortest_arc_steps = 80;
 constexpr double intervals_of_transition = 8;
 constexpr int least_halvings = 1, deepest_halving = 36;
-constexpr double rounding_down = 0.3;     // a stretch of 1.3 sizes is still one interval
+constexpr double rounding_down = 0.3;  // a stretch of 1.3 sizes is still one interval
 
 /// A part of one path piece under one feed.
 struct Segment {
@@ -77,7 +79,8 @@ class Gridder {
     double arc_length(const Segment& within, RestSide side) const;
     PathSample sample(std::size_t piece, double offset, std::size_t block) const;
     void add_nodes(std::size_t segment);
-    void refine(const Segment& s, double begin, double end, const PathSample& at_begin, const PathSample& at_end, int depth);
+    void refine(const Segment& s, double begin, double end, const PathSample& at_begin, const PathSample& at_end,
+                int depth);
     bool bends(const PathSample& a, const PathSample& m, const PathSample& b, double length) const;
     double transition_size(const PathSample& before, const PathSample& after) const;
     double speed_cap(const PathSample& s) const;
@@ -106,7 +109,8 @@ void Gridder::cut() {
     std::size_t block = 0, station = 0;
     const auto& stations = path_.stations();
     for (std::size_t i = 0; i < tool.pieces.size(); ++i) {
-        const double length = tool.pieces[i].length_mm, begin = tool.pieces[i].begin_mm, slack = std::min(1e-7, 1e-4 * length);
+        const double length = tool.pieces[i].length_mm, begin = tool.pieces[i].begin_mm,
+                     slack = std::min(1e-7, 1e-4 * length);
         double at = 0;
         const auto cut_at = [&](double offset, std::size_t of_block) {
             if (offset <= at + slack) return;
@@ -116,13 +120,17 @@ void Gridder::cut() {
         };
         while (at < length) {
             while (block + 1 < tool.blocks.size() && tool.blocks[block].end_mm - begin <= at + slack) ++block;
-            while (station < stations.size() && (stations[station].piece < i || (stations[station].piece == i && stations[station].offset_mm <= at + slack)))
+            while (station < stations.size() &&
+                   (stations[station].piece < i ||
+                    (stations[station].piece == i && stations[station].offset_mm <= at + slack)))
                 ++station;
             std::size_t last = block;
-            while (last + 1 < tool.blocks.size() && tool.blocks[last].end_mm - begin < length && same_feed(tool.blocks[last], tool.blocks[last + 1]))
+            while (last + 1 < tool.blocks.size() && tool.blocks[last].end_mm - begin < length &&
+                   same_feed(tool.blocks[last], tool.blocks[last + 1]))
                 ++last;
             double next = last + 1 < tool.blocks.size() ? tool.blocks[last].end_mm - begin : length;
-            if (station < stations.size() && stations[station].piece == i) next = std::min(next, stations[station].offset_mm);
+            if (station < stations.size() && stations[station].piece == i)
+                next = std::min(next, stations[station].offset_mm);
             cut_at(std::min(next, length), block);
         }
     }
@@ -131,10 +139,14 @@ void Gridder::cut() {
 /// As long as constant path jerk is nearly the optimum.
 double Gridder::arc_length(const Segment& within, RestSide side) const {
     const bool start = side == RestSide::start;
-    const auto at = [&](double u) { return sample(within.piece, start ? within.begin_mm + u : within.end_mm - u, within.block); };
+    const auto at = [&](double u) {
+        return sample(within.piece, start ? within.begin_mm + u : within.end_mm - u, within.block);
+    };
     const double alpha = rest_alpha(at(0), limits_);
-    double length = std::min(arc_share_of_path * path_.length_mm(), arc_share_of_segment * (within.end_mm - within.begin_mm));
-    for (int k = 0; k < shortest_arc_steps && !is_jerk_phase(at(length), length, side, limits_, alpha); ++k) length *= 0.7;
+    double length =
+        std::min(arc_share_of_path * path_.length_mm(), arc_share_of_segment * (within.end_mm - within.begin_mm));
+    for (int k = 0; k < shortest_arc_steps && !is_jerk_phase(at(length), length, side, limits_, alpha); ++k)
+        length *= 0.7;
     return length;
 }
 
@@ -173,9 +185,11 @@ void Gridder::add_nodes(std::size_t index) {
     const Segment& s = segments_[index];
     const PathSample begin = sample(s.piece, s.begin_mm, s.block), end = sample(s.piece, s.end_mm, s.block);
     first_node_.push_back(nodes_.size());
-    nodes_.push_back({s.begin_mm, index == 0 ? rest_growth * start_arc_.length_mm : transition_size(previous_end_, begin)});
+    nodes_.push_back(
+        {s.begin_mm, index == 0 ? rest_growth * start_arc_.length_mm : transition_size(previous_end_, begin)});
     refine(s, s.begin_mm, s.end_mm, begin, end, 0);
-    if (index + 1 == segments_.size()) nodes_.back().size_mm = std::min(nodes_.back().size_mm, rest_growth * stop_arc_.length_mm);
+    if (index + 1 == segments_.size())
+        nodes_.back().size_mm = std::min(nodes_.back().size_mm, rest_growth * stop_arc_.length_mm);
     previous_end_ = end;
 }
 
@@ -184,7 +198,8 @@ bool Gridder::bends(const PathSample& a, const PathSample& m, const PathSample& 
     double bend_j = 0, lead_j = 0, bend_v = 0, lead_v = 0;
     for (int i = 0; i < limits_.count; ++i) {
         const double per_jerk = 1 / limits_.axes[i].jerk, per_velocity = 1 / limits_.axes[i].velocity;
-        const double odd = std::abs(b.q1[i] - a.q1[i] - length * m.q2[i]) / 4;  // a turn that is symmetric about the middle
+        const double odd =
+            std::abs(b.q1[i] - a.q1[i] - length * m.q2[i]) / 4;  // a turn that is symmetric about the middle
         const double bend = std::max(std::abs(m.q1[i] - (a.q1[i] + b.q1[i]) / 2), odd);
         const double lead = std::max({std::abs(a.q1[i]), std::abs(m.q1[i]), std::abs(b.q1[i])});
         bend_j = std::max(bend_j, bend * per_jerk);
@@ -195,7 +210,8 @@ bool Gridder::bends(const PathSample& a, const PathSample& m, const PathSample& 
     return bend_j > turn_tolerance * lead_j || bend_v > turn_tolerance * lead_v;
 }
 
-void Gridder::refine(const Segment& s, double begin, double end, const PathSample& at_begin, const PathSample& at_end, int depth) {
+void Gridder::refine(const Segment& s, double begin, double end, const PathSample& at_begin, const PathSample& at_end,
+                     int depth) {
     const double middle = (begin + end) / 2;
     const PathSample at_middle = sample(s.piece, middle, s.block);
     if (depth < deepest_halving && (depth < least_halvings || bends(at_begin, at_middle, at_end, end - begin))) {
@@ -211,7 +227,9 @@ void Gridder::refine(const Segment& s, double begin, double end, const PathSampl
 void Gridder::limit_growth() {
     first_node_.push_back(nodes_.size());
     const auto step = [&](std::size_t k) { return std::max(nodes_[k].offset_mm - nodes_[k - 1].offset_mm, 0.0); };
-    const auto pass_on = [&](double from, double way, Node& to) { to.size_mm = std::min(to.size_mm, from + growth * way); };
+    const auto pass_on = [&](double from, double way, Node& to) {
+        to.size_mm = std::min(to.size_mm, from + growth * way);
+    };
     for (std::size_t k = 1; k < nodes_.size(); ++k) pass_on(nodes_[k - 1].size_mm, step(k), nodes_[k]);
     for (std::size_t k = nodes_.size() - 1; k > 0; --k) pass_on(nodes_[k].size_mm, step(k), nodes_[k - 1]);
     double from_rest = start_arc_.length_mm;
@@ -282,7 +300,9 @@ Diagnostic not_finite(const AxisPath& path, const Cell& cell) {
 
 }  // namespace
 
-std::vector<Cell> make_grid(const AxisPath& path, const LimitSet& limits) { return Gridder(path, limits).make(); }
+std::vector<Cell> make_grid(const AxisPath& path, const LimitSet& limits) {
+    return Gridder(path, limits).make();
+}
 
 Result<Interval> sample_cell(const AxisPath& path, const Cell& cell) {
     Interval out;

@@ -11,11 +11,14 @@ constexpr double warm_slack_floor = 1e-3;
 constexpr double residual_limit = 1e-5;  // of a limit
 constexpr double promise_limit = 1e-4;
 constexpr double straightness = 1e-3;  // weight of (h²x″/x)² in the time of an interval
+constexpr double far_margin = 5e-3;    // so that a later window, which starts on this plan, has room around it
 constexpr double boundary_fraction = 0.99, positivity_fraction = 0.9;
 constexpr std::array<int, 3> row_samples{0, samples_per_interval / 2, samples_per_interval - 1};
 constexpr std::array<double, 3> simpson{1.0 / 6, 4.0 / 6, 1.0 / 6};
 
-double step_to_boundary(double block) { return block > 0 ? std::min(1.0, boundary_fraction / block) : 1.0; }
+double step_to_boundary(double block) {
+    return block > 0 ? std::min(1.0, boundary_fraction / block) : 1.0;
+}
 
 template <class T>
 PointState mapped(const PointMap<Pack>& m, const T& s) {
@@ -23,13 +26,17 @@ PointState mapped(const PointMap<Pack>& m, const T& s) {
             m.e_e0 * s.e0 + m.e_e1 * s.e1};
 }
 
-Symmetric3<Pack> symmetric(const Hessian& g) { return {g.vv, g.vd, g.ve, g.dd, g.de, g.ee}; }
+Symmetric3<Pack> symmetric(const Hessian& g) {
+    return {g.vv, g.vd, g.ve, g.dd, g.de, g.ee};
+}
 
 template <class From>
 StageMatrix<double> lane_of(const From& m, int i) {
     return {m.xx[i], m.xd[i], m.x0[i], m.x1[i], m.dd[i], m.d0[i], m.d1[i], m.e00[i], m.e01[i], m.e11[i]};
 }
-StageVector<double> lane_of(const StageVector<Pack>& g, int i) { return {g.x[i], g.d[i], g.e0[i], g.e1[i]}; }
+StageVector<double> lane_of(const StageVector<Pack>& g, int i) {
+    return {g.x[i], g.d[i], g.e0[i], g.e1[i]};
+}
 
 Symmetric3<double> lane_with(const Hessian& g, int i, const CostToGo& cost) {
     return {g.vv[i] + cost.xx, g.vd[i] + cost.xd, g.ve[i], g.dd[i] + cost.dd, g.de[i], g.ee[i]};
@@ -90,7 +97,8 @@ void InteriorPoint::build_rows() {
     axes_ = 0;
     for (int a = 0; a < problem_.limits->count; ++a) {
         const bool moves = std::ranges::any_of(problem_.intervals, [a](const Interval& interval) {
-            return std::ranges::any_of(interval.samples, [a](const PathSample& s) { return s.q1[a] != 0 || s.q2[a] != 0; });
+            return std::ranges::any_of(interval.samples,
+                                       [a](const PathSample& s) { return s.q1[a] != 0 || s.q2[a] != 0; });
         });
         if (moves) axis_[axes_++] = a;
     }
@@ -113,7 +121,7 @@ void InteriorPoint::fill_lane(Block& block, int lane, std::size_t interval) {
         const std::size_t row = idle ? count_ - 1 : interval;
         const PathSample& s = problem_.intervals[row].samples[row_samples[k]];
         const Tightening& tight = problem_.tightening[row];
-        const double use = idle ? 0 : 1, w = rows.w[lane];
+        const double use = idle ? 0 : interval >= problem_.far_from ? 1 + far_margin : 1, w = rows.w[lane];
         rows.time_weight[lane] = h * simpson[k];
         rows.calm_weight[lane] = problem_.calm * h * simpson[k] / (w * w);
         const double bend = h * h / (w * w);
@@ -179,9 +187,19 @@ void InteriorPoint::backward() {
         Block& block = blocks_data_[b];
         const PointSystem left = assemble<RowSet::all>(block.point[0], axes_, u.left, primal_, dual_, state_);
         const PointSystem middle = assemble<RowSet::all>(block.point[1], axes_, u.middle, primal_, dual_, state_);
-        const PointSystem right = assemble<RowSet::without_acceleration>(block.point[2], axes_, u.right, primal_, dual_, state_);
+        const PointSystem right =
+            assemble<RowSet::without_acceleration>(block.point[2], axes_, u.right, primal_, dual_, state_);
         const PointMap<Pack> map = middle_map(block.h);
-        StageMatrix<Pack> inner{left.matrix.vv, left.matrix.vd, left.matrix.ve, {}, left.matrix.dd, left.matrix.de, {}, left.matrix.ee, {}, {}};
+        StageMatrix<Pack> inner{left.matrix.vv,
+                                left.matrix.vd,
+                                left.matrix.ve,
+                                {},
+                                left.matrix.dd,
+                                left.matrix.de,
+                                {},
+                                left.matrix.ee,
+                                {},
+                                {}};
         add_congruence(symmetric(middle.matrix), map, inner);
         const StageVector<Pack> ga = inner_vector(left.affine, middle.affine, map);
         const StageVector<Pack> gc = inner_vector(left.centring, middle.centring, map);
@@ -208,7 +226,8 @@ void InteriorPoint::backward() {
 Pull InteriorPoint::start_pull(const Pull& pull) const {
     if (!problem_.from_rest) return {};
     const double kappa = problem_.start.kappa;
-    const double y = (pull.x + kappa * pull.d) / (start_cost_.xx + kappa * (2 * start_cost_.xd + kappa * start_cost_.dd));
+    const double y =
+        (pull.x + kappa * pull.d) / (start_cost_.xx + kappa * (2 * start_cost_.xd + kappa * start_cost_.dd));
     return {y, kappa * y};
 }
 
@@ -237,12 +256,14 @@ void InteriorPoint::backward_corrector() {
         Block& block = blocks_data_[b];
         const Gradient left = affine_step<RowSet::all>(block.point[0], axes_, u.left, du.left, sums_);
         const Gradient middle = affine_step<RowSet::all>(block.point[1], axes_, u.middle, du.middle, sums_);
-        const Gradient right = affine_step<RowSet::without_acceleration>(block.point[2], axes_, u.right, du.right, sums_);
+        const Gradient right =
+            affine_step<RowSet::without_acceleration>(block.point[2], axes_, u.right, du.right, sums_);
         const StageVector<Pack> inner = inner_vector(left, middle, middle_map(block.h));
         for (int i = lanes; i-- > 0;) {
             const std::size_t k = lanes * b + i;
             if (k >= count_) continue;
-            feed_corrector_[k] = eliminate(gain_[k], with_right(inner, right, i, pull, right_map<double>(block.h[i])), pull);
+            feed_corrector_[k] =
+                eliminate(gain_[k], with_right(inner, right, i, pull, right_map<double>(block.h[i])), pull);
         }
     }
     pull_corrector_ = start_pull(pull);
@@ -259,7 +280,8 @@ double InteriorPoint::positive_step(const Direction& step) const {
 }
 
 void InteriorPoint::combine(double mu, double second_order) {
-    const auto add = [&](std::vector<double>& out, const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& c) {
+    const auto add = [&](std::vector<double>& out, const std::vector<double>& a, const std::vector<double>& b,
+                         const std::vector<double>& c) {
         for (std::size_t k = 0; k < out.size(); ++k) out[k] = a[k] + mu * b[k] + second_order * c[k];
     };
     add(step_.x, affine_.x, centring_.x, corrector_.x);
@@ -291,7 +313,8 @@ double InteriorPoint::time() const {
     for (std::size_t b = 0; b < blocks_; ++b) {
         const Local u = local(at_, b, 1);
         const auto& point = blocks_data_[b].point;
-        total += point[0].time_weight / sqrt(u.left.v) + point[1].time_weight / sqrt(u.middle.v) + point[2].time_weight / sqrt(u.right.v);
+        total += point[0].time_weight / sqrt(u.left.v) + point[1].time_weight / sqrt(u.middle.v) +
+                 point[2].time_weight / sqrt(u.right.v);
     }
     return sum(total);
 }
@@ -316,7 +339,8 @@ SolveReport InteriorPoint::run(double gap_limit, int max_iterations) {
         if (!std::isfinite(sum(sums_.promise))) break;
         forward(feed_corrector_, pull_corrector_, corrector_);
         const double gap = sum(state_.gap);
-        const double ap = step_to_boundary(max_lane(sums_.primal_block)), ad = step_to_boundary(max_lane(sums_.dual_block));
+        const double ap = step_to_boundary(max_lane(sums_.primal_block)),
+                     ad = step_to_boundary(max_lane(sums_.dual_block));
         const double z_dt = sum(sums_.z_dt);
         const double gap_affine = gap + ap * z_dt - ad * (gap + z_dt) + ap * ad * sum(sums_.dt_dz);
         const bool blocked = std::min(ap, ad) < 0.1;

@@ -20,7 +20,8 @@ Rows rows_at(const PathSample& s, const LimitSet& limits) {
     out.count = limits.count;
     double inverse = 1 / s.feed_cap;
     for (int a = 0; a < limits.count; ++a) {
-        const double sign = s.q1[a] < 0 ? -1 : 1, scale = sign / limits.axes[a].acceleration, rate = s.q1[a] / limits.axes[a].velocity;
+        const double sign = s.q1[a] < 0 ? -1 : 1, scale = sign / limits.axes[a].acceleration,
+                     rate = s.q1[a] / limits.axes[a].velocity;
         out.b[a] = s.q2[a] * scale;
         out.c[a] = 0.5 * s.q1[a] * scale;
         inverse = std::max(inverse, rate * rate);
@@ -72,14 +73,16 @@ double JerkFreeScan::advance(std::span<const Interval> window, std::size_t commi
             ceiling_[node] = controllable(rows_at(window[k].samples[i], limits_), ceiling_[node + 1], h);
         }
         // The limits behind a knot hold on its other side too.
-        if (k > 0) ceiling_[k * steps] = std::min(ceiling_[k * steps], rows_at(window[k - 1].samples[steps], limits_).cap);
+        if (k > 0)
+            ceiling_[k * steps] = std::min(ceiling_[k * steps], rows_at(window[k - 1].samples[steps], limits_).cap);
     }
     double time = 0;
     x_ = std::min(x_, ceiling_[0]);
     for (std::size_t k = 0; k < commit; ++k) {
         const double h = window[k].length_mm / steps;
         for (int i = 0; i < steps; ++i) {
-            const double next = std::clamp(reachable(rows_at(window[k].samples[i], limits_), x_, h), 0.0, ceiling_[k * steps + i + 1]);
+            const double next =
+                std::clamp(reachable(rows_at(window[k].samples[i], limits_), x_, h), 0.0, ceiling_[k * steps + i + 1]);
             time += 2 * h / (std::sqrt(x_) + std::sqrt(next));
             x_ = next;
         }

@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "trunnion/feed/feed_planner.hpp"
+
 #include "detail/check.hpp"
 #include "detail/grid.hpp"
-#include "trunnion/feed/feed_planner.hpp"
 
 namespace trunnion::feed {
 namespace {
@@ -66,11 +67,16 @@ Result<void> check(const path::AxisPath& path, const FeedOptions& options) {
 
 std::string name_of(const Cause& cause, const machine::Machine& machine) {
     switch (cause.kind) {
-        case Cause::Kind::none: return "none";
-        case Cause::Kind::feed: return "feed";
-        case Cause::Kind::velocity: return fmt::format("{} velocity", machine.axes[cause.axis].letter);
-        case Cause::Kind::acceleration: return fmt::format("{} acceleration", machine.axes[cause.axis].letter);
-        case Cause::Kind::jerk: break;
+        case Cause::Kind::none:
+            return "none";
+        case Cause::Kind::feed:
+            return "feed";
+        case Cause::Kind::velocity:
+            return fmt::format("{} velocity", machine.axes[cause.axis].letter);
+        case Cause::Kind::acceleration:
+            return fmt::format("{} acceleration", machine.axes[cause.axis].letter);
+        case Cause::Kind::jerk:
+            break;
     }
     return fmt::format("{} jerk", machine.axes[cause.axis].letter);
 }
@@ -79,10 +85,14 @@ double feed_speed_cap(const path::BlockSpan& block, const path::AxisSample& samp
     constexpr double unbounded = std::numeric_limits<double>::infinity();
     const auto per_rate = [&](double rate) { return rate > 0 ? block.feed.value / rate : unbounded; };
     switch (block.feed.rule) {
-        case path::FeedRule::tip_speed: return per_rate(sample.feed_rate);
-        case path::FeedRule::rotary_rate: return per_rate(sample.turn_rate);
-        case path::FeedRule::block_time: return block.time_scale_mm / block.feed.value;
-        case path::FeedRule::none: break;
+        case path::FeedRule::tip_speed:
+            return per_rate(sample.feed_rate);
+        case path::FeedRule::rotary_rate:
+            return per_rate(sample.turn_rate);
+        case path::FeedRule::block_time:
+            return block.time_scale_mm / block.feed.value;
+        case path::FeedRule::none:
+            break;
     }
     return unbounded;
 }

@@ -8,7 +8,9 @@ namespace {
 
 const double alpha_of_unit_jerk = std::pow(6.0, 4.0 / 3) / 4;
 
-double sign_of(RestSide side) { return side == RestSide::start ? 1 : -1; }
+double sign_of(RestSide side) {
+    return side == RestSide::start ? 1 : -1;
+}
 
 double speed_alpha(const PathSample& s, double u, const LimitSet& limits, const Tightening& tight) {
     double inverse_cap = 1 / s.feed_cap;
@@ -19,7 +21,8 @@ double speed_alpha(const PathSample& s, double u, const LimitSet& limits, const 
     return 1 / (tight.speed * inverse_cap * u * std::cbrt(u));
 }
 
-double acceleration_alpha(const PathSample& s, double u, RestSide side, const LimitSet& limits, const Tightening& tight) {
+double acceleration_alpha(const PathSample& s, double u, RestSide side, const LimitSet& limits,
+                          const Tightening& tight) {
     const double u13 = std::cbrt(u);
     double inverse = 0;
     for (int a = 0; a < limits.count; ++a) {
@@ -41,7 +44,9 @@ double jerk_alpha(const PathSample& s, double u, RestSide side, const LimitSet& 
 
 }  // namespace
 
-double arc_alpha(double jerk) { return alpha_of_unit_jerk * std::cbrt(jerk * jerk); }
+double arc_alpha(double jerk) {
+    return alpha_of_unit_jerk * std::cbrt(jerk * jerk);
+}
 
 double arc_jerk_mm_s3(double alpha) {
     const double ratio = alpha / alpha_of_unit_jerk;
@@ -56,12 +61,15 @@ double largest_alpha(const Interval& interval, RestSide side, const LimitSet& li
         const PathSample& s = interval.samples[i];
         alpha = std::min(alpha, jerk_alpha(s, u, side, limits, tightening));
         if (from_rest == 0) continue;
-        alpha = std::min({alpha, speed_alpha(s, u, limits, tightening), acceleration_alpha(s, u, side, limits, tightening)});
+        alpha = std::min(
+            {alpha, speed_alpha(s, u, limits, tightening), acceleration_alpha(s, u, side, limits, tightening)});
     }
     return alpha;
 }
 
-double rest_alpha(const PathSample& rest, const LimitSet& limits) { return jerk_alpha(rest, 0, RestSide::start, limits, {}); }
+double rest_alpha(const PathSample& rest, const LimitSet& limits) {
+    return jerk_alpha(rest, 0, RestSide::start, limits, {});
+}
 
 bool is_jerk_phase(const PathSample& sample, double u, RestSide side, const LimitSet& limits, double alpha) {
     constexpr double nearly = 0.985, half_way_to_acceleration = 1.26, half_the_speed = 4;

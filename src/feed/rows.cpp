@@ -17,8 +17,12 @@ Reciprocal jerk_room(const PointRows& rows, Pack v) {
     return {value, -0.5 * value / v};
 }
 
-Pack load_of(const JerkRow& row, const PointState& at) { return row.v * at.v + row.d * at.d + row.e * at.e; }
-Pack load_of(const AccelerationRow& row, const PointState& at) { return row.v * at.v + row.d * at.d; }
+Pack load_of(const JerkRow& row, const PointState& at) {
+    return row.v * at.v + row.d * at.d + row.e * at.e;
+}
+Pack load_of(const AccelerationRow& row, const PointState& at) {
+    return row.v * at.v + row.d * at.d;
+}
 
 void reset(Bound& bound, Pack c, double floor, double mu) {
     bound.t = max(c, pack(floor));
@@ -85,9 +89,11 @@ void add_speed(PointRows& rows, Pack v, double primal, double dual, RowState& st
     out.centring.v -= t.inverse * k;
 }
 
-void add_acceleration(AccelerationRow& row, const PointState& at, double primal, double dual, RowState& state, PointSystem& out) {
+void add_acceleration(AccelerationRow& row, const PointState& at, double primal, double dual, RowState& state,
+                      PointSystem& out) {
     const Pack load = load_of(row, at);
-    const Terms p = advance(row.plus, 1 - load, primal, dual, state), m = advance(row.minus, 1 + load, primal, dual, state);
+    const Terms p = advance(row.plus, 1 - load, primal, dual, state),
+                m = advance(row.minus, 1 + load, primal, dual, state);
     const Pack s = p.curvature + m.curvature, pull = p.pull - m.pull, centre = m.inverse - p.inverse;
     out.matrix.vv += s * row.v * row.v;
     out.matrix.vd += s * row.v * row.d;
@@ -103,8 +109,8 @@ struct Calm {
     Pack outer, slope, along_v;
 };
 
-Pack add_jerk(JerkRow& row, const PointState& at, Reciprocal room, const Calm& calm, double primal, double dual, RowState& state,
-              PointSystem& out) {
+Pack add_jerk(JerkRow& row, const PointState& at, Reciprocal room, const Calm& calm, double primal, double dual,
+              RowState& state, PointSystem& out) {
     const Pack load = load_of(row, at);
     const Terms p = advance(row.plus, room.value - load, primal, dual, state);
     const Terms m = advance(row.minus, room.value + load, primal, dual, state);
@@ -234,10 +240,14 @@ template void reset_rows<RowSet::without_acceleration>(PointRows&, int, const Po
 template void warm_rows<RowSet::all>(PointRows&, int, const PointState&, double);
 template void warm_rows<RowSet::without_acceleration>(PointRows&, int, const PointState&, double);
 template PointSystem assemble<RowSet::all>(PointRows&, int, const PointState&, double, double, RowState&);
-template PointSystem assemble<RowSet::without_acceleration>(PointRows&, int, const PointState&, double, double, RowState&);
+template PointSystem assemble<RowSet::without_acceleration>(PointRows&, int, const PointState&, double, double,
+                                                            RowState&);
 template Gradient affine_step<RowSet::all>(PointRows&, int, const PointState&, const PointState&, AffineSums&);
-template Gradient affine_step<RowSet::without_acceleration>(PointRows&, int, const PointState&, const PointState&, AffineSums&);
-template void final_step<RowSet::all>(PointRows&, int, const PointState&, const PointState&, double, double, StepBlocks&);
-template void final_step<RowSet::without_acceleration>(PointRows&, int, const PointState&, const PointState&, double, double, StepBlocks&);
+template Gradient affine_step<RowSet::without_acceleration>(PointRows&, int, const PointState&, const PointState&,
+                                                            AffineSums&);
+template void final_step<RowSet::all>(PointRows&, int, const PointState&, const PointState&, double, double,
+                                      StepBlocks&);
+template void final_step<RowSet::without_acceleration>(PointRows&, int, const PointState&, const PointState&, double,
+                                                       double, StepBlocks&);
 
 }  // namespace trunnion::feed

@@ -19,7 +19,7 @@ struct Reduced {
 
 Reduced substitute(const StageMatrix<double>& m, const StageGain& k) {
     const double sx = m.x1 - k.k1x * m.e11, sd = m.d1 - k.k1d * m.e11, s0 = m.e01 - k.k1e * m.e11;
-    return {m.xx - k.k1x * m.x1 - sx * k.k1x, m.xd - k.k1x * m.d1 - sx * k.k1d, m.x0 - k.k1x * m.e01 - sx * k.k1e,
+    return {m.xx - k.k1x * m.x1 - sx * k.k1x, m.xd - k.k1x * m.d1 - sx * k.k1d,  m.x0 - k.k1x * m.e01 - sx * k.k1e,
             m.dd - k.k1d * m.d1 - sd * k.k1d, m.d0 - k.k1d * m.e01 - sd * k.k1e, m.e00 - k.k1e * m.e01 - s0 * k.k1e};
 }
 

@@ -6,7 +6,7 @@
 namespace trunnion::feed {
 namespace {
 
-constexpr double share = 0.6;           // of the limits
+constexpr double share = 0.6;  // of the limits
 constexpr double averaging_reach = 0.35;
 constexpr double smallest = 1e-300;
 
@@ -23,7 +23,9 @@ double power_3_4(double x) {
     const double root = std::sqrt(x);
     return root * std::sqrt(root);
 }
-double power_4_3(double y) { return y * std::cbrt(y); }
+double power_4_3(double y) {
+    return y * std::cbrt(y);
+}
 
 Allowance allowance(const Interval& interval, const LimitSet& limits) {
     double inverse_x = 0, jerk1 = smallest, acceleration1 = smallest, jerk2 = smallest;
@@ -34,13 +36,15 @@ Allowance allowance(const Interval& interval, const LimitSet& limits) {
             const machine::AxisLimits& limit = limits.axes[a];
             const double q1 = std::abs(s.q1[a]), q2 = std::abs(s.q2[a]), q3 = std::abs(s.q3[a]);
             const double by_jerk = std::cbrt(q3 / (0.3 * limit.jerk));
-            inverse_x = std::max({inverse_x, q1 * q1 / (limit.velocity * limit.velocity), 2 * q2 / limit.acceleration, by_jerk * by_jerk});
+            inverse_x = std::max({inverse_x, q1 * q1 / (limit.velocity * limit.velocity), 2 * q2 / limit.acceleration,
+                                  by_jerk * by_jerk});
             jerk1 = std::max(jerk1, q1 / limit.jerk);
             acceleration1 = std::max(acceleration1, q1 / limit.acceleration);
             jerk2 = std::max(jerk2, q2 / limit.jerk);
         }
     }
-    return {share * power_3_4(1 / std::max(inverse_x, 1e-100)), std::sqrt(2.25 * share / jerk1), 0.75 * 0.7 * share / acceleration1, 0.15 * share / jerk2};
+    return {share * power_3_4(1 / std::max(inverse_x, 1e-100)), std::sqrt(2.25 * share / jerk1),
+            0.75 * 0.7 * share / acceleration1, 0.15 * share / jerk2};
 }
 
 /// y at the knots of the whole window, arcs included.
@@ -75,7 +79,8 @@ void limit_slopes(Knots& k, const WindowProblem& window) {
 class Integral {
   public:
     explicit Integral(const Knots& k) : k_(k), sum_(k.p.size()) {
-        for (std::size_t i = 1; i < sum_.size(); ++i) sum_[i] = sum_[i - 1] + (k.y[i - 1] + k.y[i]) / 2 * (k.p[i] - k.p[i - 1]);
+        for (std::size_t i = 1; i < sum_.size(); ++i)
+            sum_[i] = sum_[i - 1] + (k.y[i - 1] + k.y[i]) / 2 * (k.p[i] - k.p[i - 1]);
     }
     double operator()(double p) const {
         const auto next = std::upper_bound(k_.p.begin() + 1, k_.p.end() - 1, p);

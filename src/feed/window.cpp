@@ -12,7 +12,7 @@ using motion::ProfilePiece;
 
 constexpr int max_iterations = 60, max_rounds = 8;
 constexpr double gap = 3e-4;
-constexpr double tightening_trigger = 1.0003;
+constexpr double tightening_trigger = 1.0002;
 constexpr double first_reserve = 2e-4;  // doubled from round to round, so that the last few intervals settle
 
 ProfilePiece arc_piece(const Interval& interval, RestSide side, double joint_x) {
@@ -29,23 +29,31 @@ void place(const Interval& interval, ProfilePiece& piece) {
     piece.length_mm = interval.length_mm;
 }
 
-/// The worst of all peaks of a plan; infinite where x is not positive.
+/// The worst of all peaks of a plan; infinite where something is not finite.
 struct Verdict {
     double worst = 0, lambda = 1;
-    bool positive = true, changed = false;
+    bool positive = true;
+    bool safe() const { return positive && worst <= allowed_ratio; }
 };
 
-Verdict examine(const WindowProblem& window, std::span<const ProfilePiece> pieces, const double* reserve) {
+Verdict examine(const WindowProblem& window, std::span<const ProfilePiece> pieces, std::vector<Peaks>& peaks) {
     Verdict out;
+    peaks.resize(pieces.size());
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-        const Peaks peaks = peaks_of(window.intervals[k], pieces[k], *window.limits);
-        out.worst = std::max(out.worst, peaks.worst());
-        out.lambda = std::min(out.lambda, lambda_for(peaks));
+        peaks[k] = peaks_of(window.intervals[k], pieces[k], *window.limits);
+        out.worst = std::max(out.worst, peaks[k].worst());
+        out.lambda = std::min(out.lambda, lambda_for(peaks[k]));
         out.positive = out.positive && is_positive(pieces[k]);
-        if (reserve) out.changed |= tighten(peaks, tightening_trigger, *reserve, window.tightening[k]);
     }
     out.positive = out.positive && std::isfinite(out.worst);
     return out;
+}
+
+bool tighten_all(const WindowProblem& window, std::span<const Peaks> peaks, double reserve) {
+    bool changed = false;
+    for (std::size_t k = 0; k < peaks.size(); ++k)
+        changed |= tighten(peaks[k], tightening_trigger, reserve, window.tightening[k]);
+    return changed;
 }
 
 double duration(std::span<const ProfilePiece> pieces) {
@@ -62,8 +70,10 @@ CoreProblem WindowSolver::core_of(const WindowProblem& window) const {
     core.tightening = window.tightening.subspan(window.first_core(), window.core_count());
     core.limits = window.limits;
     core.calm = window.calm;
+    core.far_from = std::max(window.far_from, window.first_core()) - window.first_core();
     core.from_rest = window.from_rest;
-    if (window.from_rest) core.start = arc_joint(window.intervals.front(), RestSide::start, *window.limits, window.tightening.front());
+    if (window.from_rest)
+        core.start = arc_joint(window.intervals.front(), RestSide::start, *window.limits, window.tightening.front());
     core.stop = arc_joint(window.intervals.back(), RestSide::stop, *window.limits, window.tightening.back());
     return core;
 }
@@ -87,18 +97,17 @@ std::vector<ProfilePiece> WindowSolver::pieces_of(const WindowProblem& window, c
 }
 
 /// Solves and tightens until every interval holds its limits at all samples, or the rounds are used up.
-WindowPlan WindowSolver::improve(const WindowProblem& window, const CoreProblem& core) {
+WindowPlan WindowSolver::improve(const WindowProblem& window) {
     WindowPlan plan;
-    solver_.begin(core, start_);
+    solver_.begin(core_of(window), start_);
     for (;; ++plan.rounds) {
         const SolveReport report = solver_.run(gap, max_iterations);
         plan.iterations += report.iterations;
         plan.fallback = !report.converged;
         plan.pieces = pieces_of(window, solver_.trajectory());
-        const double reserve = 1 + std::ldexp(first_reserve, plan.rounds);
-        const Verdict verdict = examine(window, plan.pieces, plan.rounds < max_rounds ? &reserve : nullptr);
-        plan.safe = verdict.positive && verdict.worst <= allowed_ratio;
-        if (!report.converged || !verdict.changed || plan.rounds == max_rounds) return plan;
+        plan.safe = examine(window, plan.pieces, peaks_).safe();
+        if (plan.safe || !report.converged || plan.rounds == max_rounds) return plan;
+        if (!tighten_all(window, peaks_, 1 + std::ldexp(first_reserve, plan.rounds))) return plan;
         solver_.retighten(core_of(window));
     }
 }
@@ -106,16 +115,17 @@ WindowPlan WindowSolver::improve(const WindowProblem& window, const CoreProblem&
 WindowPlan WindowSolver::solve(const WindowProblem& window) {
     const CoreProblem core = core_of(window);
     make_start_profile(window, core, start_);
-    WindowPlan plan = improve(window, core);
+    WindowPlan plan = improve(window);
     if (plan.safe || !window.from_rest) return plan;
-    // A profile with x > 0 becomes feasible when it is slowed down enough; the faster of the two that are at hand is taken.
+    // A profile with x > 0 becomes feasible when it is slowed down enough; the faster of the two that are at hand is
+    // taken.
     plan.fallback = true;
     std::vector<ProfilePiece> slow = pieces_of(window, start_);
-    slow_down(slow, examine(window, slow, nullptr).lambda);
-    const Verdict verdict = examine(window, plan.pieces, nullptr);
+    slow_down(slow, examine(window, slow, peaks_).lambda);
+    const Verdict verdict = examine(window, plan.pieces, peaks_);
     if (verdict.positive) slow_down(plan.pieces, verdict.lambda);
     if (!verdict.positive || duration(slow) < duration(plan.pieces)) plan.pieces = std::move(slow);
-    plan.safe = examine(window, plan.pieces, nullptr).positive;
+    plan.safe = examine(window, plan.pieces, peaks_).positive;
     return plan;
 }
 

@@ -8,7 +8,7 @@ namespace trunnion::motion {
 namespace {
 
 constexpr int max_newton_steps = 30;
-constexpr int max_halvings = 30;
+constexpr int max_halvings = 30, max_panels = 100;  // far more than any x > 0 of a plan needs
 // Eight Gauss points reach 1e-12 on x^(-1/2) while x changes no more than this much within a panel.
 constexpr double max_panel_ratio = 1.7;
 
@@ -37,7 +37,8 @@ double panel_time(const ProfilePiece& piece, double begin, double end) noexcept 
     double sum = 0;
     for (const GaussPoint& g : gauss8) {
         const double step = half * g.abscissa;
-        sum += g.weight * (1 / std::sqrt(square_at(piece, middle - step).x) + 1 / std::sqrt(square_at(piece, middle + step).x));
+        sum += g.weight *
+               (1 / std::sqrt(square_at(piece, middle - step).x) + 1 / std::sqrt(square_at(piece, middle + step).x));
     }
     return half * sum;
 }
@@ -52,9 +53,10 @@ bool is_gentle(const ProfilePiece& piece, double begin, double end) noexcept {
 
 double cubic_time(const ProfilePiece& piece, double end_mm) noexcept {
     double begin = 0, total = 0;
-    while (begin < end_mm) {
+    for (int panel = 1; begin < end_mm; ++panel) {
         double end = end_mm;
-        for (int k = 0; k < max_halvings && !is_gentle(piece, begin, end); ++k) end = (begin + end) / 2;
+        for (int k = 0; k < max_halvings && panel < max_panels && !is_gentle(piece, begin, end); ++k)
+            end = (begin + end) / 2;
         if (!(end > begin)) break;
         total += panel_time(piece, begin, end);
         begin = end;
@@ -63,7 +65,9 @@ double cubic_time(const ProfilePiece& piece, double end_mm) noexcept {
 }
 
 /// Constant jerk from rest: δ = j t³/6.
-double rest_time(double distance, double jerk) noexcept { return std::cbrt(6 * std::max(distance, 0.0) / jerk); }
+double rest_time(double distance, double jerk) noexcept {
+    return std::cbrt(6 * std::max(distance, 0.0) / jerk);
+}
 
 double cubic_distance(const ProfilePiece& piece, double time) noexcept {
     const double total = cubic_time(piece, piece.length_mm);
@@ -111,7 +115,8 @@ double distance_at(const ProfilePiece& piece, double time_s) noexcept {
     if (time_s <= 0) return 0;
     if (piece.kind == ProfilePiece::Kind::cubic) return cubic_distance(piece, time_s);
     const double jerk = piece.jerk_mm_s3;
-    if (piece.kind == ProfilePiece::Kind::rest_start) return std::min(jerk * time_s * time_s * time_s / 6, piece.length_mm);
+    if (piece.kind == ProfilePiece::Kind::rest_start)
+        return std::min(jerk * time_s * time_s * time_s / 6, piece.length_mm);
     const double left = std::max(rest_time(piece.length_mm, jerk) - time_s, 0.0);
     return std::max(piece.length_mm - jerk * left * left * left / 6, 0.0);
 }

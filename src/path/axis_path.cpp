@@ -31,11 +31,14 @@ VectorSeries normalised(const VectorSeries& v) {
 
 double rate_of(const VectorSeries& v) { return std::hypot(v[0].d1(), v[1].d1(), v[2].d1()); }
 
-double largest_turn(const RotaryPosition& a, const RotaryPosition& b) {
-    return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1]));
-}
 
 }  // namespace
+
+bool AxisPath::continues(const Followed& a, const Followed& b) {
+    const bool branch = a.branch == b.branch || a.branch == unknown_branch || b.branch == unknown_branch;
+    return branch && std::abs(a.rotary_rad[0] - b.rotary_rad[0]) < station_turn_rad / 2 &&
+           std::abs(a.rotary_rad[1] - b.rotary_rad[1]) < station_turn_rad / 2;
+}
 
 Diagnostic AxisPath::diagnose(PathPlace place, std::string code, std::string text) const {
     const double p = path_->pieces[place.piece].begin_mm + place.offset_mm;
@@ -47,28 +50,33 @@ Diagnostic AxisPath::diagnose(PathPlace place, std::string code, std::string tex
 }
 
 /// Position of the rotary axes that gives the tool axis at a place, on the branch and winding nearest to `near`.
-Result<RotaryPosition> AxisPath::rotary_at(PathPlace place, const RotaryPosition& near) const {
+Result<AxisPath::Followed> AxisPath::rotary_at(PathPlace place, const RotaryPosition& near) const {
     const auto series = path::evaluate(path_->pieces[place.piece], place.offset_mm);
     const Eigen::Vector3d axis = Eigen::Vector3d(series[3].value(), series[4].value(), series[5].value()).normalized();
     const RotarySeries rotary =
         path_->kinematics->rotary_series({Taylor3(axis.x()), Taylor3(axis.y()), Taylor3(axis.z())}, near);
-    const RotaryPosition found{rotary[0].value(), rotary[1].value()};
-    const double missed = (path_->kinematics->tool_axis(found) - axis).norm();
+    Followed found{{rotary[0].value(), rotary[1].value()}, unknown_branch};
+    const double missed = (path_->kinematics->tool_axis(found.rotary_rad) - axis).norm();
     if (!(missed <= reach_rad))
         return fail(diagnose(place, "PATH0101",
                              fmt::format("the machine cannot bring its tool to the direction ({:.6f}, {:.6f}, {:.6f})",
                                          axis.x(), axis.y(), axis.z())));
+    const auto solutions = path_->kinematics->rotary_for(axis);
+    const int turning = path_->kinematics->rotary_nearest_workpiece();
+    if (solutions.count == 2 && !solutions.degenerate)
+        found.branch = std::cos(found.rotary_rad[turning] - solutions.rotary_rad[0][turning]) > 0 ? 0 : 1;
     return found;
 }
 
-/// Adds the stations of ]from, to], fine enough that the nearest solution is the continuous one.
-Result<void> AxisPath::follow(PathPlace from, PathPlace to, RotaryPosition at_from) {
+/// Adds the stations of ]from, to], fine enough that the nearest solution is the continuous one: small turns, and no change of
+/// branch but at the pole itself. A change of branch between two places is a passage of the pole that was jumped over.
+Result<void> AxisPath::follow(PathPlace from, PathPlace to, const Followed& at_from) {
     const PathPlace middle{from.piece, 0.5 * (from.offset_mm + to.offset_mm)};
-    auto at_middle = rotary_at(middle, at_from);
+    auto at_middle = rotary_at(middle, at_from.rotary_rad);
     if (!at_middle) return fail(at_middle.error());
-    auto at_end = rotary_at(to, *at_middle);
+    auto at_end = rotary_at(to, at_middle->rotary_rad);
     if (!at_end) return fail(at_end.error());
-    if (largest_turn(at_from, *at_middle) < station_turn_rad / 2 && largest_turn(*at_middle, *at_end) < station_turn_rad / 2) {
+    if (continues(at_from, *at_middle) && continues(*at_middle, *at_end)) {
         stations_.push_back(to);
         rotary_at_station_.push_back(*at_end);
         return {};
@@ -188,8 +196,8 @@ RotaryPosition AxisPath::reference(PathPlace place) const noexcept {
     const auto before = after - 1;
     const double span = after->offset_mm - before->offset_mm;
     const double w = span > 0 ? std::clamp((place.offset_mm - before->offset_mm) / span, 0.0, 1.0) : 0;
-    const auto& a = rotary_at_station_[static_cast<std::size_t>(before - stations_.begin())];
-    const auto& b = rotary_at_station_[static_cast<std::size_t>(after - stations_.begin())];
+    const auto& a = rotary_at_station_[static_cast<std::size_t>(before - stations_.begin())].rotary_rad;
+    const auto& b = rotary_at_station_[static_cast<std::size_t>(after - stations_.begin())].rotary_rad;
     return {a[0] + w * (b[0] - a[0]), a[1] + w * (b[1] - a[1])};
 }
 

@@ -35,6 +35,7 @@ class Prover {
 
     void cell(const Cell& c) { prove(c.curve, c.from, c.to, c, 0); }
 
+    /// Use of the tolerances there, from the nearest places too; notes where it is too much.
     void vertex(const Coordinates& deviation, std::size_t vertex) {
         const double use = curve_.use_nearby(deviation, {vertex, 0});
         out_.use_at_vertex.push_back(use);

@@ -218,8 +218,9 @@ double Curve::use_nearby(const Coordinates& deviation, Place at) const {
     const double reach = std::sqrt(measure.product(deviation, deviation, weight)) + as_near_mm;
     const double offset = at.block - bumps.first() == here ? at.offset_mm : line.gap_mm[here];
     const Coordinates point = line.slope[here] * offset + deviation;
-    const Coordinates ahead = at.offset_mm > 0 ? bumps.slope[at.block]
-                                               : Coordinates(0.5 * (bumps.slope[at.block - 1] + bumps.slope[at.block]));
+    const Coordinates ahead = bumps.jet(at)[1];
+    const double slip = measure.product(deviation, ahead, weight) / measure.product(ahead, ahead, weight);
+    use = std::max(use, measure.use(deviation - slip * ahead, weight));  // the curve's nearest place, seen from P
     for (int k = -looks_aside; k <= looks_aside; ++k)
         use =
             std::max(use, use_from_nearest(point + k * reach / looks_aside * ahead, {here, offset}, 2 * reach, weight));

@@ -10,9 +10,9 @@
 namespace trunnion::reference {
 namespace {
 
-constexpr double first_arc_share = 2e-4;   // of the length: where the arcs at rest end
+constexpr double first_arc_share = 2e-4;  // of the length: where the arcs at rest end
 constexpr int samples_per_piece = 400;
-constexpr double listed_from = 0.3;        // rows that use less of their limit are only checked afterwards
+constexpr double listed_from = 0.3;  // rows that use less of their limit are only checked afterwards
 
 using Axes = std::array<double, machine::max_axes>;
 
@@ -86,10 +86,12 @@ class Sequence {
 Node Sequence::sample(double p) const {
     const auto& pieces = path_.tool_path().pieces;
     const auto& blocks = path_.tool_path().blocks;
-    const auto next = std::upper_bound(pieces.begin() + 1, pieces.end(), p, [](double at, const auto& piece) { return at < piece.begin_mm; });
+    const auto next = std::upper_bound(pieces.begin() + 1, pieces.end(), p,
+                                       [](double at, const auto& piece) { return at < piece.begin_mm; });
     const auto piece = next - 1;
     path::AxisSample s;
-    path_.evaluate({static_cast<std::size_t>(piece - pieces.begin()), std::clamp(p - piece->begin_mm, 0.0, piece->length_mm)}, s);
+    path_.evaluate(
+        {static_cast<std::size_t>(piece - pieces.begin()), std::clamp(p - piece->begin_mm, 0.0, piece->length_mm)}, s);
     Node out;
     out.p = p;
     double inverse = 1e-12;
@@ -99,10 +101,14 @@ Node Sequence::sample(double p) const {
         out.q3[a] = s.axes[a].d3();
         inverse = std::max(inverse, std::pow(out.q1[a] / limits_[a].velocity, 2));
     }
-    const auto block = std::lower_bound(blocks.begin(), blocks.end() - 1, p, [](const auto& b, double at) { return b.end_mm < at; });
-    if (block->feed.rule == path::FeedRule::tip_speed) inverse = std::max(inverse, std::pow(s.feed_rate / block->feed.value, 2));
-    if (block->feed.rule == path::FeedRule::rotary_rate) inverse = std::max(inverse, std::pow(s.turn_rate / block->feed.value, 2));
-    if (block->feed.rule == path::FeedRule::block_time) inverse = std::max(inverse, std::pow(block->feed.value / block->time_scale_mm, 2));
+    const auto block =
+        std::lower_bound(blocks.begin(), blocks.end() - 1, p, [](const auto& b, double at) { return b.end_mm < at; });
+    if (block->feed.rule == path::FeedRule::tip_speed)
+        inverse = std::max(inverse, std::pow(s.feed_rate / block->feed.value, 2));
+    if (block->feed.rule == path::FeedRule::rotary_rate)
+        inverse = std::max(inverse, std::pow(s.turn_rate / block->feed.value, 2));
+    if (block->feed.rule == path::FeedRule::block_time)
+        inverse = std::max(inverse, std::pow(block->feed.value / block->time_scale_mm, 2));
     out.cap = 1 / inverse;
     return out;
 }
@@ -155,7 +161,8 @@ void Sequence::bound_ends() {
 void Sequence::add_rows(int i) {
     const Node& n = nodes_[i];
     const double left = n.p - nodes_[i - 1].p, right = nodes_[i + 1].p - n.p;
-    // x′ and x″ as combinations of the three nodes; next to an arc its own slope ±4/3 x/u takes the place of a difference.
+    // x′ and x″ as combinations of the three nodes; next to an arc its own slope ±4/3 x/u takes the place of a
+    // difference.
     std::array<double, 3> d{}, e{};
     if (i == 1) {
         d = {0, 4 / (3 * left), 0};
@@ -179,7 +186,9 @@ void Sequence::add_rows(int i) {
     }
     const auto first = std::find_if(rows_.begin(), rows_.end(), [i](const Row& r) { return r.node == i; });
     if (first == rows_.end()) return;
-    std::max_element(first, rows_.end(), [](const Row& a, const Row& b) { return std::abs(a.at) * a.jerk < std::abs(b.at) * b.jerk; })->stiffest = true;
+    std::max_element(first, rows_.end(), [](const Row& a, const Row& b) {
+        return std::abs(a.at) * a.jerk < std::abs(b.at) * b.jerk;
+    })->stiffest = true;
 }
 
 /// What a row uses of its limit.
@@ -203,8 +212,10 @@ void Sequence::start() {
 }
 
 double Sequence::time(const std::vector<double>& x) const {
-    double total = 3 * (nodes_[1].p - nodes_[0].p) / std::sqrt(x[1]) + 3 * (nodes_.back().p - nodes_[count() - 2].p) / std::sqrt(x[count() - 2]);
-    for (int i = 1; i + 2 < count(); ++i) total += 2 * (nodes_[i + 1].p - nodes_[i].p) / (std::sqrt(x[i]) + std::sqrt(x[i + 1]));
+    double total = 3 * (nodes_[1].p - nodes_[0].p) / std::sqrt(x[1]) +
+                   3 * (nodes_.back().p - nodes_[count() - 2].p) / std::sqrt(x[count() - 2]);
+    for (int i = 1; i + 2 < count(); ++i)
+        total += 2 * (nodes_[i + 1].p - nodes_[i].p) / (std::sqrt(x[i]) + std::sqrt(x[i + 1]));
     return total;
 }
 
@@ -224,10 +235,12 @@ std::vector<double> Sequence::step(double radius) const {
         for (const double sign : {1.0, -1.0}) {
             const double scale = row.jerk ? sign * std::sqrt(x_[row.node]) : sign;
             CoinPackedVector v;
-            const double values[3] = {row.before * x_[row.node - 1], row.at * x_[row.node], row.behind * x_[row.node + 1]};
+            const double values[3] = {row.before * x_[row.node - 1], row.at * x_[row.node],
+                                      row.behind * x_[row.node + 1]};
             for (int k = 0; k < 3; ++k) {
                 const double extra = row.jerk && k == 1 ? 0.5 : 0;
-                if (row.node - 2 + k >= 0 && row.node - 2 + k < n) v.insert(row.node - 2 + k, scale * values[k] + extra);
+                if (row.node - 2 + k >= 0 && row.node - 2 + k < n)
+                    v.insert(row.node - 2 + k, scale * values[k] + extra);
             }
             lp.addRow(v.getNumElements(), v.getIndices(), v.getElements(), -COIN_DBL_MAX, row.jerk ? 1.5 : 1.0);
         }
@@ -255,6 +268,8 @@ std::vector<double> Sequence::step(double radius) const {
 
 }  // namespace
 
-Optimum reference_optimum(const path::AxisPath& path, const Options& options) { return Sequence(path, options).solve(); }
+Optimum reference_optimum(const path::AxisPath& path, const Options& options) {
+    return Sequence(path, options).solve();
+}
 
 }  // namespace trunnion::reference

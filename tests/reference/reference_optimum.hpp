@@ -2,10 +2,10 @@
 
 #include "trunnion/path/axis_path.hpp"
 
-/// The minimum time of a stretch by a method that shares nothing with the planner: its own samples, finite differences of
-/// x = ṗ² at the nodes, and a sequence of linear programmes (CLP). The jerk rows |L(x)| ≤ x^(−½) are replaced by the
-/// tangent of x^(−½), which lies below it, so every iterate is feasible; the objective ∫ x^(−½) dp by its tangent within a
-/// trust region. Standstill at both ends by an arc of constant path jerk.
+/// The minimum time of a stretch by a method that shares nothing with the planner: its own samples, finite differences
+/// of x = ṗ² at the nodes, and a sequence of linear programmes (CLP). The jerk rows |L(x)| ≤ x^(−½) are replaced by the
+/// tangent of x^(−½), which lies below it, so every iterate is feasible; the objective ∫ x^(−½) dp by its tangent
+/// within a trust region. Standstill at both ends by an arc of constant path jerk.
 namespace trunnion::reference {
 
 struct Options {

@@ -3,13 +3,14 @@
 #include <span>
 #include <vector>
 
-#include "detail/interior_point.hpp"
 #include "trunnion/motion/feed_profile.hpp"
+
+#include "detail/interior_point.hpp"
 
 namespace trunnion::feed {
 
 /// A plan is checked to this ratio of every limit at all samples of all intervals, peaks between samples included.
-inline constexpr double allowed_ratio = 1.0005;
+inline constexpr double allowed_ratio = 1.0004;
 
 /// Peak / limit over one profile piece, by its interval's samples; between them by a parabola.
 struct Peaks {

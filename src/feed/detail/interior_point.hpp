@@ -4,9 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "trunnion/feed/interval.hpp"
+
 #include "detail/rows.hpp"
 #include "detail/stage.hpp"
-#include "trunnion/feed/interval.hpp"
 
 namespace trunnion::feed {
 
@@ -16,20 +17,22 @@ struct Tightening {
     double speed = 1;  ///< on x/cap
 };
 
-/// The arc of constant jerk that leads from or to a standstill, as the core sees it: x′ = ±κx at the joint, x ≤ cap there,
-/// time = weight · x^(−½).
+/// The arc of constant jerk that leads from or to a standstill, as the core sees it: x′ = ±κx at the joint, x ≤ cap
+/// there, time = weight · x^(−½).
 struct ArcJoint {
     double kappa = 0, cap = 0, weight = 0;
 };
 
 /// What one solve works on: the intervals between the arcs.
 struct CoreProblem {
-    std::span<const Interval> intervals;       ///< at least 1
-    std::span<const Tightening> tightening;    ///< as many
+    std::span<const Interval> intervals;     ///< at least 1
+    std::span<const Tightening> tightening;  ///< as many
     const LimitSet* limits = nullptr;
     double calm = 0;
-    bool from_rest = false;                    ///< else x and x′ at the first knot are fixed
-    ArcJoint start;                            ///< when from_rest
+    std::size_t far_from =
+        static_cast<std::size_t>(-1);  ///< from this interval on a little of every limit is left unused
+    bool from_rest = false;            ///< else x and x′ at the first knot are fixed
+    ArcJoint start;                    ///< when from_rest
     ArcJoint stop;
 };
 
@@ -44,8 +47,9 @@ struct SolveReport {
     int iterations = 0;
 };
 
-/// Primal-dual interior point on a core problem: infeasible start, Mehrotra predictor-corrector, clipped exact curvature.
-/// Minimises ∫ x^(−½) dp + calm · Σ ∫ (jerk/limit)² dt. Holds all memory; about 2.5 kB and 1.5 µs × iterations an interval.
+/// Primal-dual interior point on a core problem: infeasible start, Mehrotra predictor-corrector, clipped exact
+/// curvature. Minimises ∫ x^(−½) dp + calm · Σ ∫ (jerk/limit)² dt. Holds all memory; about 2.5 kB and 1.5 µs ×
+/// iterations an interval.
 class InteriorPoint {
   public:
     /// `guess` must satisfy the end conditions and have x > 0 at all knots and middles.

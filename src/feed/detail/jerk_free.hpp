@@ -8,8 +8,8 @@
 namespace trunnion::feed {
 
 /// Minimum time with velocity, acceleration and feed limits only, window by window: a backward pass of the largest
-/// controllable x on the samples, then a forward pass. What lies behind a window is taken as free, so the sum is a lower bound
-/// of the jerk-limited time, up to the error of the grid. About 0.3 µs a sample.
+/// controllable x on the samples, then a forward pass. What lies behind a window is taken as free, so the sum is a
+/// lower bound of the jerk-limited time, up to the error of the grid. About 0.3 µs a sample.
 class JerkFreeScan {
   public:
     explicit JerkFreeScan(const LimitSet& limits) : limits_(limits) {}

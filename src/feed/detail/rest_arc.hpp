@@ -17,8 +17,8 @@ double largest_alpha(const Interval& interval, RestSide side, const LimitSet& li
 /// The α that the jerk limits allow at the rest point itself.
 double rest_alpha(const PathSample& rest, const LimitSet& limits);
 
-/// Whether an arc of that α may be as long as this: its jerk still nearly allowed there, acceleration and speed far from
-/// their limits.
+/// Whether an arc of that α may be as long as this: its jerk still nearly allowed there, acceleration and speed far
+/// from their limits.
 bool is_jerk_phase(const PathSample& sample, double distance_mm, RestSide side, const LimitSet& limits, double alpha);
 
 /// What the core sees of an interval that is an arc.

@@ -2,8 +2,9 @@
 
 #include <array>
 
-#include "detail/pack.hpp"
 #include "trunnion/machine/machine.hpp"
+
+#include "detail/pack.hpp"
 
 /// The inequalities at one point of an interval (two intervals side by side), as functions of x = v, x′ = d, x″ = e:
 ///     speed   c = 1 − v/cap
@@ -29,9 +30,10 @@ struct AccelerationRow {
 };
 
 struct PointRows {
-    Pack time_weight;   ///< the objective has time_weight · v^(−½)
-    Pack calm_weight;   ///< and calm_weight · √v Σ (w L)²
-    Pack bend_weight;   ///< and bend_weight · e²: an interval of which no row sees the shape between the points stays straight
+    Pack time_weight;  ///< the objective has time_weight · v^(−½)
+    Pack calm_weight;  ///< and calm_weight · √v Σ (w L)²
+    Pack bend_weight;  ///< and bend_weight · e²: an interval of which no row sees the shape between the points stays
+                       ///< straight
     Pack inverse_cap;
     Pack w;
     Bound speed;
@@ -67,7 +69,7 @@ struct RowState {
 struct AffineSums {
     Pack primal_block{}, dual_block{};  ///< max −dt/t, max −dz/z
     Pack z_dt{}, dt_dz{};
-    Pack promise{};                     ///< −∇f·step: what the objective still gains
+    Pack promise{};  ///< −∇f·step: what the objective still gains
 };
 
 /// Which inequalities stand at a point. At an interval's right end acceleration is the next interval's left row.

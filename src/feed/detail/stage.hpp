@@ -2,8 +2,8 @@
 
 #include "detail/rows.hpp"
 
-/// One interval as a stage of an optimal control problem: state (x, x′) at its left knot, controls (x″ at its left and right
-/// end, linear between). The Newton step is a Riccati recursion over the stages; nothing is ever divided by h².
+/// One interval as a stage of an optimal control problem: state (x, x′) at its left knot, controls (x″ at its left and
+/// right end, linear between). The Newton step is a Riccati recursion over the stages; nothing is ever divided by h².
 namespace trunnion::feed {
 
 /// How v, d, e at a point follow from the stage's variables (x, d, e0, e1); x has (1, 0, 0), d has (reach, 1, 0).

@@ -8,10 +8,11 @@ namespace trunnion::feed {
 
 /// A window: intervals of which the last one is an arc to rest and, when it starts from rest, the first one too.
 struct WindowProblem {
-    std::span<const Interval> intervals;   ///< at least 3 from rest, at least 2 else
-    std::span<Tightening> tightening;      ///< as many; grows
+    std::span<const Interval> intervals;  ///< at least 3 from rest, at least 2 else
+    std::span<Tightening> tightening;     ///< as many; grows
     const LimitSet* limits = nullptr;
     double calm = 0;
+    std::size_t far_from = static_cast<std::size_t>(-1);  ///< see CoreProblem; of `intervals`
     bool from_rest = true;
     double x0 = 0, d0 = 0;                 ///< when not from_rest
     std::span<const double> known_middle;  ///< of the plan in hand: x at the middles of the first intervals

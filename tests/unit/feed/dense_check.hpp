@@ -7,8 +7,8 @@
 
 namespace trunnion::test {
 
-/// Worst ratio of any axis limit and of a tip_speed feed at evenly spaced points of every profile piece, straight from the
-/// path: q̇ = q′ṗ, q̈ = q″ṗ² + q′p̈, q⃛ = q‴ṗ³ + 3q″ṗp̈ + q′p⃛. Infinite where something is not finite.
+/// Worst ratio of any axis limit and of a tip_speed feed at evenly spaced points of every profile piece, straight from
+/// the path: q̇ = q′ṗ, q̈ = q″ṗ² + q′p̈, q⃛ = q‴ṗ³ + 3q″ṗp̈ + q′p⃛. Infinite where something is not finite.
 inline double worst_ratio(const path::AxisPath& path, const motion::FeedProfile& profile, int points = 16) {
     double worst = 0;
     for (const motion::ProfilePiece& piece : profile.pieces)
@@ -19,11 +19,13 @@ inline double worst_ratio(const path::AxisPath& path, const motion::FeedProfile&
             const motion::PathState s = motion::state_at(piece, delta);
             const double v = s.speed_mm_s, a = s.acceleration_mm_s2;
             for (int i = 0; i < path.axis_count(); ++i) {
-                const machine::AxisLimits& limit = path.tool_path().rapid ? path.machine().axes[i].rapid : path.machine().axes[i].feed;
+                const machine::AxisLimits& limit =
+                    path.tool_path().rapid ? path.machine().axes[i].rapid : path.machine().axes[i].feed;
                 const Taylor3& q = at.axes[i];
                 const double jerk = q.d3() * v * v * v + 3 * q.d2() * v * a + q.d1() * s.jerk_mm_s3;
-                const double ratio = std::max({std::abs(q.d1() * v) / limit.velocity,
-                                               std::abs(q.d2() * v * v + q.d1() * a) / limit.acceleration, std::abs(jerk) / limit.jerk});
+                const double ratio =
+                    std::max({std::abs(q.d1() * v) / limit.velocity,
+                              std::abs(q.d2() * v * v + q.d1() * a) / limit.acceleration, std::abs(jerk) / limit.jerk});
                 if (!std::isfinite(ratio)) return ratio;
                 worst = std::max(worst, ratio);
             }

@@ -40,7 +40,8 @@ std::vector<Interval> line(double length) {
 
 TEST(FeedPlanner, CommitsWhileIntervalsCome) {
     std::vector<ProfilePiece> pieces;
-    FeedPlanner planner(one_axis(), {.window = 100}, [&](const Interval&, const ProfilePiece& piece) { pieces.push_back(piece); });
+    FeedPlanner planner(one_axis(), {.window = 100},
+                        [&](const Interval&, const ProfilePiece& piece) { pieces.push_back(piece); });
     std::size_t early = 0, most_waiting = 0, pushed = 0;
     for (const Interval& interval : line(2000)) {
         planner.push(interval);
@@ -55,7 +56,8 @@ TEST(FeedPlanner, CommitsWhileIntervalsCome) {
     EXPECT_EQ(planner.counts().intervals, pushed);
     const double exact = 2000.0 / 100 + 100.0 / 1000 + 1000.0 / 20000;
     EXPECT_NEAR(pieces.back().begin_s + pieces.back().duration_s, exact, 0.002 * exact);
-    for (std::size_t k = 1; k + 1 < pieces.size(); ++k) EXPECT_EQ(pieces[k].kind, ProfilePiece::Kind::cubic) << "a stop inside, at " << k;
+    for (std::size_t k = 1; k + 1 < pieces.size(); ++k)
+        EXPECT_EQ(pieces[k].kind, ProfilePiece::Kind::cubic) << "a stop inside, at " << k;
 }
 
 TEST(FeedPlanner, RefusesTooFewIntervals) {

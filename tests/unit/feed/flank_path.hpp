@@ -6,13 +6,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "synthetic_paths.hpp"
 #include "trunnion/geometry/bspline_curve.hpp"
+
+#include "synthetic_paths.hpp"
 
 namespace trunnion::test {
 
-/// The published flank-milling path (dual cubic B-spline, chain C A X Y Z, limits of its file, no programmed feed); nullptr where
-/// the shared data are absent. p is 100 times the spline's parameter.
+/// The published flank-milling path (dual cubic B-spline, chain C A X Y Z, limits of its file, no programmed feed);
+/// nullptr where the shared data are absent. p is 100 times the spline's parameter.
 inline std::unique_ptr<Stretch> flank_path(double jerk_factor = 1) {
     std::ifstream file(TRUNNION_SHARED_DIR "/data/published/flank-2012.json");
     if (!file) return nullptr;
@@ -22,7 +23,8 @@ inline std::unique_ptr<Stretch> flank_path(double jerk_factor = 1) {
     for (int i = 0; i < 5; ++i) {
         const auto& of = data["limits"][names[i]];
         const std::string unit = i < 3 ? "mm" : "rad";
-        limits[i] = {of["v_" + unit + "_s"], of["a_" + unit + "_s2"], of["j_" + unit + "_s3"].get<double>() * jerk_factor};
+        limits[i] = {of["v_" + unit + "_s"], of["a_" + unit + "_s2"],
+                     of["j_" + unit + "_s3"].get<double>() * jerk_factor};
     }
     const auto curve = [&](const char* key) {
         std::vector<Eigen::Vector3d> points;

@@ -1,16 +1,17 @@
-#include "reference_optimum.hpp"
-
 #include <gtest/gtest.h>
 
-#include "flank_path.hpp"
 #include "trunnion/feed/plan_stretch.hpp"
+
+#include "flank_path.hpp"
+#include "reference_optimum.hpp"
 
 /// The planner against the optimum found by another method.
 namespace trunnion::test {
 namespace {
 
 TEST(Reference, KnowsTheLine) {
-    const Stretch line = straight({100, 0, 0, 0, 0}, 100, {{{100, 1000, 20000}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}});
+    const Stretch line =
+        straight({100, 0, 0, 0, 0}, 100, {{{100, 1000, 20000}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}});
     const auto optimum = reference::reference_optimum(*line.axis_path, {.nodes = 800});
     EXPECT_TRUE(optimum.converged);
     EXPECT_NEAR(optimum.time_s, 1.150, 0.0005 * 1.150);

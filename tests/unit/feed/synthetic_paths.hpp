@@ -8,8 +8,8 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/path/axis_path.hpp"
 
-/// Paths made for tests: machine, tool path and axis path kept together. The axis path points into its Stretch, which must
-/// stay where it was made.
+/// Paths made for tests: machine, tool path and axis path kept together. The axis path points into its Stretch, which
+/// must stay where it was made.
 namespace trunnion::test {
 
 /// A small generator, so that a seed gives the same path everywhere.
@@ -62,12 +62,16 @@ inline machine::Machine five_axis_machine(const std::array<machine::AxisLimits, 
 
 /// A current trunnion machine with slow rotary jerk.
 inline std::array<machine::AxisLimits, 5> trunnion_limits() {
-    return {{{500, 2500, 5000}, {500, 3000, 5000}, {500, 2100, 50000}, {90 * degree, 300 * degree, 1800 * degree}, {120 * degree, 300 * degree, 1800 * degree}}};
+    return {{{500, 2500, 5000},
+             {500, 3000, 5000},
+             {500, 2100, 50000},
+             {90 * degree, 300 * degree, 1800 * degree},
+             {120 * degree, 300 * degree, 1800 * degree}}};
 }
 
 /// One straight move of the machine axes.
-inline Stretch straight(const std::array<double, 5>& to, double length_mm, const std::array<machine::AxisLimits, 5>& limits,
-                        path::Feed feed = {}) {
+inline Stretch straight(const std::array<double, 5>& to, double length_mm,
+                        const std::array<machine::AxisLimits, 5>& limits, path::Feed feed = {}) {
     Stretch out;
     out.machine = five_axis_machine(limits);
     out.tool_path.space = path::Space::machine;

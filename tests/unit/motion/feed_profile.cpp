@@ -57,7 +57,8 @@ TEST(FeedProfile, LinearSquareIsConstantAcceleration) {
 }
 
 TEST(FeedProfile, DistanceInvertsTime) {
-    for (const auto& piece : {cubic(2, 100, 30, -20, 15), cubic(1e-7, 1e-6, 3, 1e6, -1e6), cubic(5, 1e4, -1900, 0, 0), cubic(3, 1, 20, -8, 4)})
+    for (const auto& piece : {cubic(2, 100, 30, -20, 15), cubic(1e-7, 1e-6, 3, 1e6, -1e6), cubic(5, 1e4, -1900, 0, 0),
+                              cubic(3, 1, 20, -8, 4)})
         for (int k = 0; k <= 20; ++k) {
             const double delta = piece.length_mm * k / 20;
             EXPECT_NEAR(distance_at(piece, time_to(piece, delta)), delta, 1e-13 * piece.length_mm);

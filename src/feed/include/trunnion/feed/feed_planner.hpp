@@ -11,11 +11,11 @@
 namespace trunnion::feed {
 
 struct PlannerOptions {
-    /// Weight of the smoothness term: the objective is T + calm · Σ ∫ (jerk/limit)² dt. 0 = off; 0.001 removes chatter for
-    /// nothing.
+    /// Weight of the smoothness term: the objective is T + calm · Σ ∫ (jerk/limit)² dt. 0 = off; 0.001 removes chatter
+    /// for nothing.
     double calm = 0.001;
-    /// Intervals that are planned at once; at least 16. A stretch that is shorter is planned as a whole. A window grows, up to
-    /// eight times, where it is shorter than two stopping distances.
+    /// Intervals that are planned at once; at least 16. A stretch that is shorter is planned as a whole. A window
+    /// grows, up to eight times, where it is shorter than two stopping distances.
     std::size_t window = 300;
 };
 
@@ -34,8 +34,8 @@ struct PlannerCounts {
 /// Minimises ∫ x^(−½) dp with x(p) = ṗ² a C¹ cubic spline with free x″ at knots, subject for every axis to
 ///     |q′|²x ≤ V²,  |q″x + ½q′x′| ≤ A,  |q‴x + 3/2 q″x′ + ½q′x″|·√x ≤ J,
 /// and to the programmed feed. Every plan made ends in standstill, was checked at all samples (peaks between them by a
-/// parabola) to 1.0005 of every limit and has x > 0; a plan is replaced only by one that passed the same check, and what was
-/// committed is never revised. So a window that fails costs time, never a limit.
+/// parabola) to 1.0004 of every limit and has x > 0; a plan is replaced only by one that passed the same check, and
+/// what was committed is never revised. So a window that fails costs time, never a limit.
 ///
 /// Cost 20-60 µs an interval, linear in their number; memory for eight windows at most (4 kB an interval).
 class FeedPlanner {
@@ -50,9 +50,9 @@ class FeedPlanner {
 
     /// Adds the next interval; plans and commits when a window is full.
     void push(const Interval& interval);
-    /// The stretch ends behind the last interval: plans and commits the rest. The first and the last interval become arcs of
-    /// constant jerk. Errors: FEED0003 fewer than 3 intervals, FEED0004 no plan even from standstill (derivatives that are not
-    /// finite).
+    /// The stretch ends behind the last interval: plans and commits the rest. The first and the last interval become
+    /// arcs of constant jerk. Errors: FEED0003 fewer than 3 intervals, FEED0004 no plan even from standstill
+    /// (derivatives that are not finite).
     Result<void> finish();
 
     const PlannerCounts& counts() const;

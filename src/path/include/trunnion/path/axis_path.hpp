@@ -33,7 +33,7 @@ class AxisPath {
     /// `start`: where the axes stand before the stretch. Law vector goes on from there on the branch and winding nearest
     /// to it; without (no motion yet) it takes the one with the least travel from `home` that stays inside the ranges.
     /// Errors: PATH0101 orientation out of reach, PATH0102 an axis leaves its range (place, value, limit), PATH0103 the
-    /// path passes the pole too closely to follow, PATH0104 the stretch does not begin where the axes stand.
+    /// path passes the pole too closely to follow.
     static Result<AxisPath> make(const ToolPath& path, const machine::Machine& machine, const machine::AxisPosition* start,
                                  const machine::AxisPosition& home);
 
@@ -53,6 +53,12 @@ class AxisPath {
     const std::vector<PathPlace>& stations() const { return stations_; }
 
   private:
+    static constexpr int unknown_branch = -1;  // at the pole, and with fewer than two rotary axes
+    struct Followed {
+        machine::RotaryPosition rotary_rad{};
+        int branch = unknown_branch;
+    };
+
     AxisPath(const ToolPath& path, const machine::Machine& machine) : path_(&path), machine_(&machine) {}
     bool follows_vectors() const {
         return path_->law == OrientationLaw::vector && path_->space == Space::workpiece && machine_->rotary_count > 0;
@@ -60,8 +66,9 @@ class AxisPath {
     Diagnostic diagnose(PathPlace place, std::string code, std::string text) const;
     std::vector<machine::RotaryPosition> starts(const machine::AxisPosition* start, const machine::AxisPosition& home) const;
     Result<void> follow(const machine::RotaryPosition& from);
-    Result<void> follow(PathPlace from, PathPlace to, machine::RotaryPosition at_from);
-    Result<machine::RotaryPosition> rotary_at(PathPlace place, const machine::RotaryPosition& near) const;
+    Result<void> follow(PathPlace from, PathPlace to, const Followed& at_from);
+    Result<Followed> rotary_at(PathPlace place, const machine::RotaryPosition& near) const;
+    static bool continues(const Followed& a, const Followed& b);
     Result<void> check_reach() const;
     Result<void> check_ranges() const;
     machine::RotaryPosition reference(PathPlace place) const noexcept;
@@ -69,7 +76,7 @@ class AxisPath {
     const ToolPath* path_;
     const machine::Machine* machine_;
     std::vector<PathPlace> stations_;
-    std::vector<machine::RotaryPosition> rotary_at_station_;  // law vector in workpiece space
+    std::vector<Followed> rotary_at_station_;  // law vector in workpiece space
     std::vector<std::size_t> first_station_of_piece_;
 };
 
