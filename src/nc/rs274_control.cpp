@@ -37,7 +37,11 @@ Result<Control> Control::make(const machine::Machine* machine) {
     for (std::size_t i = 0; i < 3; ++i) control.set_letter("XYZ"[i], Letter::linear, i);
     if (!machine) return control;
     control.has_machine_ = true;
-    const machine::ControlWords& words = machine->words;
+    machine::ControlWords words = machine->words;
+    if (words.tcp_on.empty() && words.tcp_off.empty() && machine->rotary_count > 0) {
+        words.tcp_on = {"M428"};  // as in the 5-axis configurations that LinuxCNC ships
+        words.tcp_off = {"M429"};
+    }
     const bool good = control.declare_letters(words.following) && control.declare(words.tcp_on, Role::tcp_on) &&
                       control.declare(words.tcp_off, Role::tcp_off) && control.declare(words.ignore, Role::ignore);
     if (!good) return fail(bad_declaration(machine->file));

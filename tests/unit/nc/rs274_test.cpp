@@ -183,5 +183,16 @@ TEST(Rs274, BlocksThatChangeNothingAreLeftOut) {
     EXPECT_EQ(p->moves.size(), 3u) << "a whole turn is a move";
 }
 
+TEST(Rs274, LinuxCncsOwnTcpWordsHoldWhereTheMachineFileDeclaresNone) {
+    machine::Machine machine = machine_with("AC");
+    machine.words = {};
+    const auto program = read_with(machine, "M428 G21 G0 X0 Y0 Z0 A0 C0\nG1 X1 F60\nM429\nG1 X5 Y6 Z7\n");
+    ASSERT_TRUE(program) << said(program);
+    EXPECT_EQ(program->moves[1].space, program::Space::workpiece);
+    EXPECT_EQ(program->moves[2].space, program::Space::machine);
+    machine.words.tcp_on = {"M140"};
+    EXPECT_EQ(read_with(machine, "M428 G21 G0 X0 Y0 Z0 A0 C0\nG1 X1 F60\n").error().code, "NC0204");
+}
+
 }  // namespace
 }  // namespace trunnion::nc
