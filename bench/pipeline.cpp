@@ -21,7 +21,8 @@ std::string wavy_rows(int blocks, double step_mm) {
         const double zy = -0.2 * std::sin(x / 15) * std::sin(y / 15);
         const double i = -zx, j = -zy + 0.466, length = std::sqrt(i * i + j * j + 1);
         const double a = std::acos(1 / length) * 180 / M_PI, c = std::atan2(i, -j) * 180 / M_PI;
-        text += fmt::format("{} X{:.6f} Y{:.6f} Z{:.6f} A{:.6f} C{:.6f}{}\n", k == 0 ? "G0" : "G1", x, y, z, a, c < 0 ? c + 360 : c, k == 1 ? " F10000" : "");
+        text += fmt::format("{} X{:.6f} Y{:.6f} Z{:.6f} A{:.6f} C{:.6f}{}\n", k == 0 ? "G0" : "G1", x, y, z, a,
+                            c < 0 ? c + 360 : c, k == 1 ? " F10000" : "");
         const double next = x + way * step_mm / std::sqrt(1 + zx * zx);
         if (std::abs(next) > 40) {
             y += step_mm;

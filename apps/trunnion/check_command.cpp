@@ -3,10 +3,11 @@
 
 #include <fmt/format.h>
 
-#include "commands.hpp"
-#include "job.hpp"
 #include "trunnion/pipeline/check_setpoints.hpp"
 #include "trunnion/pipeline/plan_files.hpp"
+
+#include "commands.hpp"
+#include "job.hpp"
 
 namespace trunnion::app {
 

@@ -5,19 +5,22 @@
 
 #include <fmt/format.h>
 
-#include "commands.hpp"
 #include "trunnion/base/quantity.hpp"
-#include "trunnion/files/shipped_machines.hpp"
 #include "trunnion/files/setup_file.hpp"
+#include "trunnion/files/shipped_machines.hpp"
 #include "trunnion/nc/read.hpp"
+
+#include "commands.hpp"
 
 namespace trunnion::app {
 
 void JobOptions::add_to(CLI::App& command) {
     command.add_option("-m,--machine", machine, "shipped machine by name, or a machine file");
     command.add_option("--setup", setup, "setup file: workpiece, tools, offsets");
-    command.add_option("--units", units, "overrides the unit that the program states")->check(CLI::IsMember({"mm", "inch"}));
-    command.add_option("--dialect", dialect, "instead of recognising it by content")->check(CLI::IsMember({"apt", "rs274"}));
+    command.add_option("--units", units, "overrides the unit that the program states")
+        ->check(CLI::IsMember({"mm", "inch"}));
+    command.add_option("--dialect", dialect, "instead of recognising it by content")
+        ->check(CLI::IsMember({"apt", "rs274"}));
     command.add_option("--tip-tolerance", tip_tolerance, "of the controlled point")->capture_default_str();
     command.add_option("--orientation-tolerance", orientation_tolerance, "of the tool axis")->capture_default_str();
     command.add_option("--flank-tolerance", flank_tolerance, "of the point at the flank height, instead of an angle");
@@ -29,7 +32,9 @@ void JobOptions::add_planning_to(CLI::App& command) {
     command.add_option("--rounding", rounding, "none: exact stop at every corner")
         ->check(CLI::IsMember({"smooth", "none"}))
         ->capture_default_str();
-    command.add_option("--calm", calm, "weight of smoothness against time, 0 … 1")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    command.add_option("--calm", calm, "weight of smoothness against time, 0 … 1")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
     command.add_option("--feed-override", feed_override, "of all programmed feeds")->capture_default_str();
     command.add_option("--feed", feed, "replaces programmed feeds, e.g. 20m/min");
     command.add_option("--jerk-margin", jerk_margin, "share of the axes' jerk to leave unused")->capture_default_str();
@@ -62,7 +67,8 @@ Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
     double feed_mm_s = 0;
     const Result<void> parts[] = {
         set(smoothing.tip_tolerance_mm, "--tip-tolerance", job.tip_tolerance, dimension::length),
-        set(smoothing.orientation_tolerance_rad, "--orientation-tolerance", job.orientation_tolerance, dimension::angle),
+        set(smoothing.orientation_tolerance_rad, "--orientation-tolerance", job.orientation_tolerance,
+            dimension::angle),
         set(smoothing.flank_tolerance_mm, "--flank-tolerance", job.flank_tolerance, dimension::length),
         set(smoothing.flank_height_mm, "--flank-height", job.flank_height, dimension::length),
         set(out.feed_override, "--feed-override", job.feed_override, dimension::ratio),
@@ -81,7 +87,9 @@ Result<machine::Machine> machine_of(const JobOptions& options) {
     if (!options.machine.empty()) return files::find_machine(options.machine, machine_folders());
     std::string shipped;
     for (const auto& machine : files::shipped_machines(machine_folders())) shipped += " " + machine.name;
-    return fail({.code = "PIPE0004", .text = "no machine given", .hint = fmt::format("give -m with a file or one of:{}", shipped)});
+    return fail({.code = "PIPE0004",
+                 .text = "no machine given",
+                 .hint = fmt::format("give -m with a file or one of:{}", shipped)});
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "commands.hpp"
-#include "job.hpp"
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/shipped_machines.hpp"
 #include "trunnion/machine/kinematics.hpp"
+
+#include "commands.hpp"
+#include "job.hpp"
 
 namespace trunnion::app {
 

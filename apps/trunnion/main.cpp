@@ -11,8 +11,9 @@ int main(int argc, char** argv) {
     CLI::App app("Trunnion: from a 5-axis part program to motion that the machine can really make.", "trunnion");
     app.set_version_flag("--version", "trunnion " TRUNNION_VERSION);
     app.require_subcommand(1);
-    app.footer("Lengths, angles, feeds and times carry their unit: 20um, 0.1deg, 20m/min, 1ms.\n"
-               "Exit status: 0 done, 1 done but a limit or tolerance is broken, 2 bad input or usage, 3 a fault of ours.");
+    app.footer(
+        "Lengths, angles, feeds and times carry their unit: 20um, 0.1deg, 20m/min, 1ms.\n"
+        "Exit status: 0 done, 1 done but a limit or tolerance is broken, 2 bad input or usage, 3 a fault of ours.");
     add_plan_command(app, status);
     add_check_command(app, status);
     add_machine_command(app, status);

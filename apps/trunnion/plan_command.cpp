@@ -1,15 +1,15 @@
-#include <unistd.h>
-
 #include <csignal>
 #include <cstdio>
 #include <memory>
 
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include "trunnion/pipeline/plan_files.hpp"
+#include "trunnion/verify/programmed_csv.hpp"
 
 #include "commands.hpp"
 #include "job.hpp"
-#include "trunnion/pipeline/plan_files.hpp"
-#include "trunnion/verify/programmed_csv.hpp"
 
 namespace trunnion::app {
 
@@ -49,7 +49,8 @@ Result<pipeline::Summary> run(const PlanCommand& command) {
     if (auto written = (*files)->commit(); !written) return fail(written.error());
     if (auto written = write_programmed(command, *job); !written) return fail(written.error());
     if (!command.summary.empty())
-        if (auto written = pipeline::write_text_file(command.summary, to_json(*summary)); !written) return fail(written.error());
+        if (auto written = pipeline::write_text_file(command.summary, to_json(*summary)); !written)
+            return fail(written.error());
     return summary;
 }
 

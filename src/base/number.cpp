@@ -7,7 +7,9 @@ namespace trunnion {
 
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
 
 /// End of the number's text, or `at` itself when there is none.
 const char* scan(const char* at, const char* end, Exponent exponent) {

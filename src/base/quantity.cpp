@@ -52,7 +52,8 @@ std::optional<Unit> parse_factor(std::string_view text) {
     }
     for (const Unit& unit : units)
         if (unit.name == text)
-            return Unit{unit.name, std::pow(unit.scale, power),
+            return Unit{unit.name,
+                        std::pow(unit.scale, power),
                         {unit.dimension.length * power, unit.dimension.angle * power, unit.dimension.time * power}};
     return {};
 }
@@ -86,7 +87,8 @@ std::string_view example(Dimension wanted) {
 }
 
 std::unexpected<Diagnostic> refuse(std::string code, std::string text, Dimension wanted) {
-    return fail({.code = std::move(code), .text = std::move(text), .hint = fmt::format("write it like {}", example(wanted))});
+    return fail(
+        {.code = std::move(code), .text = std::move(text), .hint = fmt::format("write it like {}", example(wanted))});
 }
 
 }  // namespace
@@ -99,7 +101,8 @@ Result<double> parse_quantity(std::string_view text, Dimension wanted) {
     if (rest.empty()) return refuse("BASE0002", fmt::format("'{}' has no unit", text), wanted);
     const auto unit = parse_unit(rest);
     if (!unit) return refuse("BASE0003", fmt::format("'{}' is not a known unit", rest), wanted);
-    if (unit->dimension != wanted) return refuse("BASE0004", fmt::format("'{}' has the wrong kind of unit", text), wanted);
+    if (unit->dimension != wanted)
+        return refuse("BASE0004", fmt::format("'{}' has the wrong kind of unit", text), wanted);
     return *number * unit->scale;
 }
 

@@ -44,8 +44,8 @@ double third_difference(const Samples& f, int i) {
 /// gridded finer where the path turns, and have no freedom to follow it.
 constexpr double left_out_of_arcs = 0.064;
 
-/// Largest |f| by the samples and by the parabolas through every three of them that turn near the limit, plus `left_out`
-/// third differences; infinite where a sample is not finite.
+/// Largest |f| by the samples and by the parabolas through every three of them that turn near the limit, plus
+/// `left_out` third differences; infinite where a sample is not finite.
 double peak(const Samples& f, double left_out) {
     constexpr double near = 0.97;
     if (!std::isfinite(std::accumulate(f.begin(), f.end(), 0.0))) return std::numeric_limits<double>::infinity();

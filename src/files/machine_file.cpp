@@ -39,7 +39,7 @@ double positive_limit(TomlReading& reading, const toml::node& node, Dimension wa
 
 struct LimitKey {
     const char* key;
-    double AxisLimits::*limit;
+    double AxisLimits::* limit;
     Dimension linear, rotary;
 };
 constexpr std::array<LimitKey, 3> limit_keys{

@@ -1,21 +1,22 @@
 #include "trunnion/files/output_file.hpp"
 
-#include <unistd.h>
-#include <zlib.h>
-
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
 
 namespace trunnion::files {
 
 namespace {
 
 Diagnostic file_trouble(std::string code, std::string_view what, const std::filesystem::path& path) {
-    return {.code = std::move(code), .text = fmt::format("{}: {}", what, std::strerror(errno)), .place = {.file = path.string()}};
+    return {.code = std::move(code),
+            .text = fmt::format("{}: {}", what, std::strerror(errno)),
+            .place = {.file = path.string()}};
 }
 
 }  // namespace
@@ -34,7 +35,9 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path) {
     return out;
 }
 
-OutputFile::OutputFile(OutputFile&& other) noexcept { *this = std::move(other); }
+OutputFile::OutputFile(OutputFile&& other) noexcept {
+    *this = std::move(other);
+}
 
 OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
     if (this == &other) return *this;
@@ -47,7 +50,9 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
     return *this;
 }
 
-OutputFile::~OutputFile() { discard(); }
+OutputFile::~OutputFile() {
+    discard();
+}
 
 void OutputFile::discard() noexcept {
     if (!plain_ && !compressed_) return;
@@ -93,7 +98,8 @@ Result<std::string> read_whole_file(const std::filesystem::path& path) {
     std::string out;
     std::array<char, 1 << 16> buffer{};
     int got = 0;
-    while ((got = gzread(in, buffer.data(), buffer.size())) > 0) out.append(buffer.data(), static_cast<std::size_t>(got));
+    while ((got = gzread(in, buffer.data(), buffer.size())) > 0)
+        out.append(buffer.data(), static_cast<std::size_t>(got));
     gzclose(in);
     if (got < 0) return fail(file_trouble("FILE0203", "the file cannot be read", path));
     return out;

@@ -24,7 +24,8 @@ Instant Interpolator::at(double time_s) noexcept {
     path_->evaluate(now.place, sample);
     for (int i = 0; i < path_->axis_count(); ++i) now.position[i] = sample.axes[i].value();
     now.tip_in_workpiece_mm = {sample.tip[0].value(), sample.tip[1].value(), sample.tip[2].value()};
-    now.tip_speed_mm_s = now.path_state.speed_mm_s * std::hypot(sample.tip[0].d1(), sample.tip[1].d1(), sample.tip[2].d1());
+    now.tip_speed_mm_s =
+        now.path_state.speed_mm_s * std::hypot(sample.tip[0].d1(), sample.tip[1].d1(), sample.tip[2].d1());
 
     const auto& blocks = path_->tool_path().blocks;
     const double p = geometry.begin_mm + now.place.offset_mm;

@@ -22,15 +22,18 @@ constexpr double station_turn_rad = 20 * degree;
 constexpr double shortest_station_mm = 1e-9;
 constexpr double reach_rad = 1e-6;
 
-double wound_near(double angle, double near) { return angle + full_turn * std::round((near - angle) / full_turn); }
+double wound_near(double angle, double near) {
+    return angle + full_turn * std::round((near - angle) / full_turn);
+}
 
 VectorSeries normalised(const VectorSeries& v) {
     const Taylor3 inverse = 1.0 / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     return {v[0] * inverse, v[1] * inverse, v[2] * inverse};
 }
 
-double rate_of(const VectorSeries& v) { return std::hypot(v[0].d1(), v[1].d1(), v[2].d1()); }
-
+double rate_of(const VectorSeries& v) {
+    return std::hypot(v[0].d1(), v[1].d1(), v[2].d1());
+}
 
 }  // namespace
 
@@ -68,8 +71,9 @@ Result<AxisPath::Followed> AxisPath::rotary_at(PathPlace place, const RotaryPosi
     return found;
 }
 
-/// Adds the stations of ]from, to], fine enough that the nearest solution is the continuous one: small turns, and no change of
-/// branch but at the pole itself. A change of branch between two places is a passage of the pole that was jumped over.
+/// Adds the stations of ]from, to], fine enough that the nearest solution is the continuous one: small turns, and no
+/// change of branch but at the pole itself. A change of branch between two places is a passage of the pole that was
+/// jumped over.
 Result<void> AxisPath::follow(PathPlace from, PathPlace to, const Followed& at_from) {
     const PathPlace middle{from.piece, 0.5 * (from.offset_mm + to.offset_mm)};
     auto at_middle = rotary_at(middle, at_from.rotary_rad);
@@ -82,7 +86,8 @@ Result<void> AxisPath::follow(PathPlace from, PathPlace to, const Followed& at_f
         return {};
     }
     if (to.offset_mm - from.offset_mm < shortest_station_mm) {
-        auto lost = diagnose(from, "PATH0103", "the tool axis passes the pole too closely for the rotary axes to follow");
+        auto lost =
+            diagnose(from, "PATH0103", "the tool axis passes the pole too closely for the rotary axes to follow");
         lost.hint = "turn the part on the table, or lead the tool a little to one side";
         return fail(lost);
     }
@@ -104,26 +109,22 @@ Result<void> AxisPath::follow(const RotaryPosition& from) {
             rotary_at_station_.push_back(rotary_at_station_.back());
         }
         first_station_of_piece_.push_back(stations_.size() - 1);
-        if (auto followed = follow({i, 0}, {i, path_->pieces[i].length_mm}, rotary_at_station_.back()); !followed) return followed;
+        if (auto followed = follow({i, 0}, {i, path_->pieces[i].length_mm}, rotary_at_station_.back()); !followed)
+            return followed;
     }
     return {};
 }
 
-/// Starting positions of the rotary axes to try, the best first.
-std::vector<RotaryPosition> AxisPath::starts(const AxisPosition* start, const AxisPosition& home) const {
-    const int linear = machine_->linear_count();
-    const auto& reference = start ? *start : home;
-    const RotaryPosition near{machine_->rotary_count > 0 ? reference[linear] : 0.0,
-                              machine_->rotary_count > 1 ? reference[linear + 1] : 0.0};
-    if (start) return {near};
-    const auto series = path::evaluate(path_->pieces[0], 0);
-    const auto solutions =
-        path_->kinematics->rotary_for(Eigen::Vector3d(series[3].value(), series[4].value(), series[5].value()).normalized());
+/// Solutions for a tool axis in three windings, by travel from `near`. At the pole the free axis stays where it is.
+std::vector<RotaryPosition> AxisPath::ranked_solutions(PathPlace place, const RotaryPosition& near) const {
+    const auto series = path::evaluate(path_->pieces[place.piece], place.offset_mm);
+    const auto solutions = path_->kinematics->rotary_for(
+        Eigen::Vector3d(series[3].value(), series[4].value(), series[5].value()).normalized());
+    const int turning = path_->kinematics->rotary_nearest_workpiece();
     std::vector<std::pair<double, RotaryPosition>> ranked;
     for (int branch = 0; branch < solutions.count; ++branch)
         for (int winding = -1; winding <= 1; ++winding) {
             RotaryPosition candidate = solutions.rotary_rad[branch];
-            const int turning = path_->kinematics->rotary_nearest_workpiece();
             if (solutions.degenerate && turning >= 0) candidate[turning] = near[turning];
             for (int a = 0; a < machine_->rotary_count; ++a)
                 candidate[a] = wound_near(candidate[a], near[a]) + (a == turning ? winding * full_turn : 0);
@@ -132,7 +133,37 @@ std::vector<RotaryPosition> AxisPath::starts(const AxisPosition* start, const Ax
     std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<RotaryPosition> out;
     for (const auto& [travel, candidate] : ranked) out.push_back(candidate);
-    if (out.empty()) out.push_back(near);
+    return out;
+}
+
+/// Where a stretch that begins at the pole leaves it: the first place that tells where the free axis has to stand.
+PathPlace AxisPath::departure() const {
+    constexpr int looks = 8;
+    for (std::size_t i = 0; i < path_->pieces.size(); ++i)
+        for (int k = 0; k < looks; ++k) {
+            const PathPlace place{i, path_->pieces[i].length_mm * (k + 1) / looks};
+            const auto at = path::evaluate(path_->pieces[i], place.offset_mm);
+            const Eigen::Vector3d axis = Eigen::Vector3d(at[3].value(), at[4].value(), at[5].value()).normalized();
+            if (!path_->kinematics->rotary_for(axis).degenerate) return place;
+        }
+    return {0, 0};
+}
+
+/// Starting positions of the rotary axes to try, the best first.
+std::vector<RotaryPosition> AxisPath::starts(const AxisPosition* start, const AxisPosition& home) const {
+    const int linear = machine_->linear_count();
+    const auto& reference = start ? *start : home;
+    const RotaryPosition near{machine_->rotary_count > 0 ? reference[linear] : 0.0,
+                              machine_->rotary_count > 1 ? reference[linear + 1] : 0.0};
+    std::vector<RotaryPosition> out{near};
+    if (!start) {
+        if (auto first = ranked_solutions({0, 0}, near); !first.empty()) out = std::move(first);
+        return out;
+    }
+    const auto at_begin = rotary_at({0, 0}, near);
+    if (machine_->rotary_count < 2 || !at_begin || at_begin->branch != unknown_branch) return out;
+    const auto leaving = ranked_solutions(departure(), near);
+    out.insert(out.end(), leaving.begin(), leaving.end());
     return out;
 }
 

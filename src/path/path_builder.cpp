@@ -17,10 +17,16 @@ namespace {
 constexpr double shortest_block_mm = 1e-7;
 constexpr double opposite_rad = 3.14159265;  // closer to half a turn than 4e-9 rad the plane of the turn is lost
 
-std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3d to_vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+std::array<double, 3> to_array(const Eigen::Vector3d& v) {
+    return {v.x(), v.y(), v.z()};
+}
+Eigen::Vector3d to_vector(const std::array<double, 3>& v) {
+    return {v[0], v[1], v[2]};
+}
 
-machine::RotaryPosition rotary_of(const PathCoordinates& c) { return {c.orientation[0], c.orientation[1]}; }
+machine::RotaryPosition rotary_of(const PathCoordinates& c) {
+    return {c.orientation[0], c.orientation[1]};
+}
 
 Diagnostic at_move(const Program& program, const Move& move, std::string code, std::string text) {
     return {.code = std::move(code), .text = std::move(text), .place = {.file = program.source, .line = move.line}};
@@ -28,7 +34,8 @@ Diagnostic at_move(const Program& program, const Move& move, std::string code, s
 
 }  // namespace
 
-Result<PathBuilder> PathBuilder::make(const Program& program, const machine::Machine& machine, const machine::Setup& setup) {
+Result<PathBuilder> PathBuilder::make(const Program& program, const machine::Machine& machine,
+                                      const machine::Setup& setup) {
     PathBuilder builder(program, machine, setup);
     if (auto begun = builder.begin(); !begun) return fail(begun.error());
     return builder;
@@ -57,7 +64,8 @@ Result<void> PathBuilder::begin() {
 machine::AxisPosition PathBuilder::home() const {
     machine::AxisPosition out;
     for (int i = 0; i < machine_->axis_count; ++i)
-        if (const auto start = setup_->start.find(machine_->axes[i].letter); start != setup_->start.end()) out[i] = start->second;
+        if (const auto start = setup_->start.find(machine_->axes[i].letter); start != setup_->start.end())
+            out[i] = start->second;
     const int turning = in_use_->rotary_nearest_workpiece();
     if (turning < 0 || program_->moves.front().law != OrientationLaw::vector) return out;
     const auto at_pole = [&](const Move& move) { return in_use_->rotary_for(move.axis).degenerate; };
@@ -142,7 +150,8 @@ Result<PathCoordinates> PathBuilder::coordinates_of(const Move& move) {
     return out;
 }
 
-/// Takes the tool of a move into use. The machine stands still meanwhile: with a tool of another length the tip is elsewhere.
+/// Takes the tool of a move into use. The machine stands still meanwhile: with a tool of another length the tip is
+/// elsewhere.
 Result<void> PathBuilder::enter(const Move& move) {
     auto tool = tool_of(move);
     if (!tool) return fail(tool.error());
@@ -203,7 +212,8 @@ Result<bool> PathBuilder::next(Run& run) {
     while (move_ < program_->moves.size()) {
         const Move& first = program_->moves[move_];
         if (first.law != program_->moves.front().law)
-            return fail(at_move(*program_, first, "PATH0004", "the program changes between tool vectors and rotary words"));
+            return fail(
+                at_move(*program_, first, "PATH0004", "the program changes between tool vectors and rotary words"));
         if (auto entered = enter(first); !entered) return fail(entered.error());
         at_ = converted(first.space);
         space_ = first.space;
@@ -221,7 +231,8 @@ Result<bool> PathBuilder::next(Run& run) {
             if (!to) return fail(to.error());
             const double length = block_length_mm(run, at_, *to);
             if (run.law == OrientationLaw::vector && turn_rad(run, at_, *to) > opposite_rad)
-                return fail(at_move(*program_, move, "PATH0005", "the tool axis is turned by half a turn: the plane is undefined"));
+                return fail(at_move(*program_, move, "PATH0005",
+                                    "the tool axis is turned by half a turn: the plane is undefined"));
             ++move_;
             if (length < shortest_block_mm) continue;
             run.vertices.push_back(*to);

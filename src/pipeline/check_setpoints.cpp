@@ -31,17 +31,19 @@ Result<verify::Verdict> check_setpoints(const std::filesystem::path& setpoints, 
 }
 
 std::string report(const verify::Verdict& v) {
-    std::string out = fmt::format("{:<22}{} of {:g} ms, {:.3f} s\n", "setpoints", v.rows, v.period_s * 1e3, v.cycle_time_s);
-    out += fmt::format("{:<22}tip {:.4f} mm, orientation {:.4f} deg, at the flank height {:.4f} mm\n", "motion off the path",
-                       v.tip_deviation_mm, v.orientation_deviation_deg, v.height_deviation_mm);
-    out += fmt::format("{:<22}tip {:.4f} mm, orientation {:.4f} deg, at the flank height {:.4f} mm\n", "poses off the motion",
-                       v.tip_to_poses_mm, v.orientation_to_poses_deg, v.height_to_poses_mm);
+    std::string out =
+        fmt::format("{:<22}{} of {:g} ms, {:.3f} s\n", "setpoints", v.rows, v.period_s * 1e3, v.cycle_time_s);
+    out += fmt::format("{:<22}tip {:.4f} mm, orientation {:.4f} deg, at the flank height {:.4f} mm\n",
+                       "motion off the path", v.tip_deviation_mm, v.orientation_deviation_deg, v.height_deviation_mm);
+    out += fmt::format("{:<22}tip {:.4f} mm, orientation {:.4f} deg, at the flank height {:.4f} mm\n",
+                       "poses off the motion", v.tip_to_poses_mm, v.orientation_to_poses_deg, v.height_to_poses_mm);
     out += fmt::format("{:<22}{:.6f} of the programmed path\n", "covered", v.path_covered);
     for (const auto& a : v.axes)
-        out += fmt::format("  {:<20}velocity {:.4f}  acceleration {:.4f}  jerk {:.4f} of the limit\n", a.letter, a.velocity_ratio,
-                           a.acceleration_ratio, a.jerk_ratio);
+        out += fmt::format("  {:<20}velocity {:.4f}  acceleration {:.4f}  jerk {:.4f} of the limit\n", a.letter,
+                           a.velocity_ratio, a.acceleration_ratio, a.jerk_ratio);
     for (const auto& b : v.broken)
-        out += fmt::format("BROKEN {:<15} {:.6g}, limit {:.6g}, first at {:.4f} s, line {}\n", b.what, b.value, b.limit, b.time_s, b.line);
+        out += fmt::format("BROKEN {:<15} {:.6g}, limit {:.6g}, first at {:.4f} s, line {}\n", b.what, b.value, b.limit,
+                           b.time_s, b.line);
     return out + fmt::format("{:<22}{}\n", "verdict", v.ok ? "ok" : "not ok");
 }
 
@@ -68,7 +70,8 @@ std::string to_json(const verify::Verdict& v) {
     }
     out["broken"] = ordered_json::array();
     for (const auto& b : v.broken)
-        out["broken"].push_back({{"what", b.what}, {"t_s", b.time_s}, {"line", b.line}, {"value", b.value}, {"limit", b.limit}});
+        out["broken"].push_back(
+            {{"what", b.what}, {"t_s", b.time_s}, {"line", b.line}, {"value", b.value}, {"limit", b.limit}});
     return out.dump(1) + "\n";
 }
 

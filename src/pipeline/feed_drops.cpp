@@ -10,7 +10,7 @@ namespace trunnion::pipeline {
 
 namespace {
 
-constexpr double dropped_below = 0.9;   // of the programmed feed
+constexpr double dropped_below = 0.9;  // of the programmed feed
 constexpr double worth_telling_s = 0.005;
 
 /// The tip's speed in the workpiece that the block asks for at a place, mm/s; infinite where it asks for none.
@@ -19,10 +19,14 @@ double programmed_speed(const path::BlockSpan& block, double tip_rate, const pat
         return rate > 0 ? tip_rate * block.feed.value / rate : std::numeric_limits<double>::infinity();
     };
     switch (block.feed.rule) {
-        case path::FeedRule::tip_speed: return per_rate(sample.feed_rate);
-        case path::FeedRule::rotary_rate: return per_rate(sample.turn_rate);
-        case path::FeedRule::block_time: return tip_rate * block.time_scale_mm / block.feed.value;
-        case path::FeedRule::none: break;
+        case path::FeedRule::tip_speed:
+            return per_rate(sample.feed_rate);
+        case path::FeedRule::rotary_rate:
+            return per_rate(sample.turn_rate);
+        case path::FeedRule::block_time:
+            return tip_rate * block.time_scale_mm / block.feed.value;
+        case path::FeedRule::none:
+            break;
     }
     return std::numeric_limits<double>::infinity();
 }

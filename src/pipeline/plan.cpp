@@ -1,18 +1,18 @@
 #include "trunnion/pipeline/plan.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "trunnion/interpolation/interpolator.hpp"
+#include "trunnion/path/path_builder.hpp"
 
 #include "detail/feed_drops.hpp"
 #include "detail/stretch_table.hpp"
-#include "trunnion/interpolation/interpolator.hpp"
-#include "trunnion/path/path_builder.hpp"
 
 namespace trunnion::pipeline {
 
@@ -59,7 +59,8 @@ class PlanRun {
     void apply_feed_options(path::Run& run) const;
     Result<void> motion_of(path::Run& run);
     Result<void> motion_of(const path::ToolPath& stretch);
-    Result<void> check_joint(const path::AxisPath& path) const;
+    Result<void> turn_in_place(const path::AxisPath& next);
+    Result<void> perform(const path::AxisPath& path);
     void events_before_block(const path::Run& run, std::size_t block, double time_s, double s_mm);
     void events_of_stretch(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table);
     void account(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table);
@@ -81,7 +82,7 @@ class PlanRun {
     std::vector<float> transition_use_;
     AxisPosition home_, at_;
     bool moved_ = false;
-    double time_s_ = 0;       // of the start of the next stretch
+    double time_s_ = 0;  // of the start of the next stretch
     double s_mm_ = 0, p_mm_ = 0;
     std::size_t row_ = 0;
     std::int32_t line_ = 0;
@@ -97,7 +98,8 @@ Result<Summary> PlanRun::operator()() {
     home_ = builder->home();
     if (auto done = run_over(*builder); !done) return fail(done.error());
     finish();
-    summary_.diagnostics.insert(summary_.diagnostics.end(), builder->diagnostics().begin(), builder->diagnostics().end());
+    summary_.diagnostics.insert(summary_.diagnostics.end(), builder->diagnostics().begin(),
+                                builder->diagnostics().end());
     return std::move(summary_);
 }
 
@@ -115,7 +117,8 @@ Result<void> PlanRun::run_over(path::PathBuilder& builder) {
         }
         apply_feed_options(run);
         if (auto moved = motion_of(run); !moved) return moved;
-        const double share = static_cast<double>(run.first_move + run.blocks.size()) / static_cast<double>(program_.moves.size());
+        const double share =
+            static_cast<double>(run.first_move + run.blocks.size()) / static_cast<double>(program_.moves.size());
         if (!observer_.progress(std::min(share, 1.0))) return fail({.code = "PIPE0002", .text = "cancelled"});
     }
 }
@@ -158,10 +161,50 @@ Result<void> PlanRun::motion_of(const path::ToolPath& stretch) {
         error.place.file = program_.source;
         return fail(error);
     }
-    if (auto joined = check_joint(*path); !joined) return joined;
+    if (auto turned = turn_in_place(*path); !turned) return turned;
+    if (auto moved = perform(*path); !moved) return moved;
+    block_of_stretch_ += stretch.blocks.size();
+    return {};
+}
+
+/// Where the next stretch begins at the pole with another position of the axis that is free there, that axis turns
+/// first, the tool standing still. Any other jump is a fault of ours.
+Result<void> PlanRun::turn_in_place(const path::AxisPath& next) {
+    const AxisPosition begin = next.begin_position();
+    const int linear = machine_.linear_count();
+    double jump = 0;
+    for (int i = 0; moved_ && i < machine_.axis_count; ++i) jump = std::max(jump, std::abs(begin[i] - at_[i]));
+    if (jump <= joint_slack) return {};
+    const path::ToolPath& stretch = next.tool_path();
+    const auto here = stretch.kinematics->forward(at_), there = stretch.kinematics->forward(begin);
+    if (!((here.tip_in_workpiece_mm - there.tip_in_workpiece_mm).norm() <= joint_slack &&
+          (here.axis_in_workpiece - there.axis_in_workpiece).norm() <= joint_slack))
+        return fail({.code = "PIPE0003",
+                     .text = "the axes would have to jump between two moves",
+                     .place = {.file = program_.source, .line = stretch.blocks.front().line},
+                     .value = fmt::format("{:.6g}", jump)});
+    path::Run run{.law = path::OrientationLaw::rotary, .rapid = true, .kinematics = stretch.kinematics};
+    run.vertices.resize(2);
+    for (int k = 0; k < 3; ++k)
+        run.vertices[0].position_mm[k] = run.vertices[1].position_mm[k] = here.tip_in_workpiece_mm[k];
+    for (int a = 0; a < machine_.rotary_count; ++a) {
+        run.vertices[0].orientation[a] = at_[linear + a];
+        run.vertices[1].orientation[a] = begin[linear + a];
+    }
+    run.blocks = {{path::block_length_mm(run, run.vertices[0], run.vertices[1]), {}, stretch.blocks.front().line}};
+    std::vector<path::ToolPath> turns;
+    smoothing::smooth(run, options_.smoothing, turns);
+    turns.front().stop = path::StopCause::turn;
+    auto path = path::AxisPath::make(turns.front(), machine_, &at_, home_);
+    return path ? perform(*path) : Result<void>(fail(path.error()));
+}
+
+/// Plans one stretch, samples it and adds it to the summary.
+Result<void> PlanRun::perform(const path::AxisPath& path) {
+    const path::ToolPath& stretch = path.tool_path();
     Result<feed::StretchPlan> plan = [&] {
         const Stopwatch watch(summary_.work.plan_s);
-        return feed::plan_stretch(*path, options_.feed);
+        return feed::plan_stretch(path, options_.feed);
     }();
     if (!plan) {
         auto error = plan.error();
@@ -170,35 +213,20 @@ Result<void> PlanRun::motion_of(const path::ToolPath& stretch) {
         return fail(error);
     }
     const Stopwatch watch(summary_.work.sample_s);
-    const StretchTable table = StretchTable::of(*path, plan->profile, s_mm_);
-    if (!moved_) at_ = path->begin_position();
+    const StretchTable table = StretchTable::of(path, plan->profile, s_mm_);
+    if (!moved_) at_ = path.begin_position();
     hold_until(time_s_);
-    events_of_stretch(*path, plan->profile, table);
-    sample(*path, plan->profile, table);
-    if (options_.path_samples) path_samples(*path, plan->profile, table);
-    account(*path, *plan, table);
-    at_ = path->end_position();
+    events_of_stretch(path, plan->profile, table);
+    sample(path, plan->profile, table);
+    if (options_.path_samples) path_samples(path, plan->profile, table);
+    account(path, *plan, table);
+    at_ = path.end_position();
     line_ = stretch.blocks.back().line;
     moved_ = true;
     time_s_ += plan->profile.duration_s();
     s_mm_ = table.s_mm.back();
     p_mm_ += stretch.length_mm();
-    block_of_stretch_ += stretch.blocks.size();
     last_stop_ = stretch.stop;
-    return {};
-}
-
-/// A stretch that does not begin where the axes stand would be a jump in the setpoints.
-Result<void> PlanRun::check_joint(const path::AxisPath& path) const {
-    if (!moved_) return {};
-    const AxisPosition begin = path.begin_position();
-    for (int i = 0; i < machine_.axis_count; ++i) {
-        if (std::abs(begin[i] - at_[i]) <= joint_slack) continue;
-        return fail({.code = "PIPE0003",
-                     .text = fmt::format("axis {} would have to jump between two moves", machine_.axes[i].letter),
-                     .place = {.file = program_.source, .line = path.tool_path().blocks.front().line},
-                     .value = fmt::format("{:.6g}", begin[i] - at_[i])});
-    }
     return {};
 }
 
@@ -216,33 +244,48 @@ void PlanRun::events_before_block(const path::Run& run, std::size_t block, doubl
 }
 
 /// Events inside a stretch: those that do not stop the motion.
-void PlanRun::events_of_stretch(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table) {
+void PlanRun::events_of_stretch(const path::AxisPath& path, const motion::FeedProfile& profile,
+                                const StretchTable& table) {
     const auto& blocks = path.tool_path().blocks;
     for (; next_event_ < run_->events.size(); ++next_event_) {
         const std::size_t block = run_->events[next_event_].block - block_of_stretch_;
         if (block >= blocks.size()) return;
         const double p = blocks[block].begin_mm;
-        observer_.event({time_s_ + table.time_at(profile, p), table.way_at(p), &program_.events[run_->events[next_event_].event]});
+        observer_.event(
+            {time_s_ + table.time_at(profile, p), table.way_at(p), &program_.events[run_->events[next_event_].event]});
     }
 }
 
 void PlanRun::count_stop(const path::ToolPath& next) {
     using path::StopCause;
     ExactStops& stops = summary_.exact_stops;
+    if (last_stop_ == path::StopCause::turn) return;
     ++stops.total;
     if (pending_dwell_) {
         ++stops.dwells;
         return;
     }
     switch (last_stop_) {
-        case StopCause::reversal: ++stops.reversals; break;
-        case StopCause::rapid: ++stops.rapids; break;
-        case StopCause::corner: ++stops.corners; break;
-        case StopCause::exact_stop: ++stops.words; break;
+        case StopCause::reversal:
+            ++stops.reversals;
+            break;
+        case StopCause::rapid:
+            ++stops.rapids;
+            break;
+        case StopCause::corner:
+            ++stops.corners;
+            break;
+        case StopCause::exact_stop:
+            ++stops.words;
+            break;
         case StopCause::event:
         case StopCause::tool:
-        case StopCause::space: ++stops.events; break;
-        case StopCause::end: break;
+        case StopCause::space:
+            ++stops.events;
+            break;
+        case StopCause::turn:
+        case StopCause::end:
+            break;
     }
     if (last_stop_ == StopCause::end && next.rapid) ++stops.rapids;
 }
@@ -276,14 +319,16 @@ void PlanRun::emit(const motion::Setpoint& row) {
 
 /// Rows of standstill up to a time.
 void PlanRun::hold_until(double time_s) {
-    for (double t = static_cast<double>(row_) * options_.period_s; t < time_s; t = static_cast<double>(row_) * options_.period_s)
+    for (double t = static_cast<double>(row_) * options_.period_s; t < time_s;
+         t = static_cast<double>(row_) * options_.period_s)
         emit({t, at_, line_, s_mm_, 0});
 }
 
 void PlanRun::sample(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table) {
     const double end_s = time_s_ + profile.duration_s();
     interpolation::Interpolator interpolator(path, profile);
-    for (double t = static_cast<double>(row_) * options_.period_s; t < end_s; t = static_cast<double>(row_) * options_.period_s) {
+    for (double t = static_cast<double>(row_) * options_.period_s; t < end_s;
+         t = static_cast<double>(row_) * options_.period_s) {
         const interpolation::Instant now = interpolator.at(t - time_s_);
         const std::size_t piece = now.path_state.profile_piece;
         const double s = table.s_mm[piece] + (now.tip_in_workpiece_mm - table.tip_mm[piece]).norm();
@@ -292,7 +337,8 @@ void PlanRun::sample(const path::AxisPath& path, const motion::FeedProfile& prof
 }
 
 /// ṗ that programmed feed and axis velocities allow at a place.
-double speed_limit(const path::AxisSample& sample, const path::BlockSpan& block, const machine::Machine& machine, bool rapid) {
+double speed_limit(const path::AxisSample& sample, const path::BlockSpan& block, const machine::Machine& machine,
+                   bool rapid) {
     double limit = std::numeric_limits<double>::infinity();
     for (int i = 0; i < machine.axis_count; ++i) {
         const auto& limits = rapid ? machine.axes[i].rapid : machine.axes[i].feed;
@@ -324,7 +370,8 @@ void PlanRun::path_samples(const path::AxisPath& path, const motion::FeedProfile
             out.speed_mm_s = motion::state_at(piece, delta).speed_mm_s;
             out.speed_limit_mm_s = speed_limit(at, tool_path.blocks[block], machine_, tool_path.rapid);
             Eigen::Vector3d top;
-            for (int c = 0; c < 3; ++c) top[c] = at.tip[c].d1() + options_.smoothing.flank_height_mm * at.tool_axis[c].d1();
+            for (int c = 0; c < 3; ++c)
+                top[c] = at.tip[c].d1() + options_.smoothing.flank_height_mm * at.tool_axis[c].d1();
             out.feed_top_mm_s = top.norm() * out.speed_mm_s;
             out.axes = at.axes;
             observer_.path_sample(out);
@@ -355,12 +402,15 @@ void PlanRun::finish() {
 
 Result<void> check_options(const PlanOptions& options) {
     const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
-    const auto bad = [](std::string what) -> Result<void> { return fail({.code = "PIPE0001", .text = std::move(what)}); };
+    const auto bad = [](std::string what) -> Result<void> {
+        return fail({.code = "PIPE0001", .text = std::move(what)});
+    };
     if (!positive(options.period_s)) return bad("the period must be longer than 0");
     if (!positive(options.feed_override)) return bad("the feed override must be more than 0");
     if (options.feed_mm_s && !positive(*options.feed_mm_s)) return bad("the feed must be more than 0");
     if (!positive(options.smoothing.tip_tolerance_mm)) return bad("the tip tolerance must be more than 0");
-    if (!positive(options.smoothing.orientation_tolerance_rad)) return bad("the orientation tolerance must be more than 0");
+    if (!positive(options.smoothing.orientation_tolerance_rad))
+        return bad("the orientation tolerance must be more than 0");
     if (!(options.smoothing.flank_tolerance_mm >= 0)) return bad("the flank tolerance must be more than 0");
     if (!positive(options.smoothing.flank_height_mm)) return bad("the flank height must be more than 0");
     return {};

@@ -29,12 +29,18 @@ std::string csv_text(std::string_view text) {
 std::string_view kind_name(program::EventKind kind) {
     using program::EventKind;
     switch (kind) {
-        case EventKind::dwell: return "dwell";
-        case EventKind::tool: return "tool";
-        case EventKind::spindle: return "spindle";
-        case EventKind::coolant: return "coolant";
-        case EventKind::stop: return "stop";
-        case EventKind::other: break;
+        case EventKind::dwell:
+            return "dwell";
+        case EventKind::tool:
+            return "tool";
+        case EventKind::spindle:
+            return "spindle";
+        case EventKind::coolant:
+            return "coolant";
+        case EventKind::stop:
+            return "stop";
+        case EventKind::other:
+            break;
     }
     return "other";
 }
@@ -71,13 +77,15 @@ void PlanFiles::setpoint(const motion::Setpoint& row) {
 
 void PlanFiles::path_sample(const PathSample& sample) {
     if (!path_) return;
-    std::string row = fmt::format("{},{},{},{},{},{},{},{},{},{},{}", sample.p_mm, sample.s_mm, sample.tip_mm.x(),
-                                  sample.tip_mm.y(), sample.tip_mm.z(), sample.axis.x(), sample.axis.y(), sample.axis.z(),
-                                  sample.speed_limit_mm_s, sample.speed_mm_s, sample.feed_top_mm_s * 60);
+    std::string row =
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{}", sample.p_mm, sample.s_mm, sample.tip_mm.x(), sample.tip_mm.y(),
+                    sample.tip_mm.z(), sample.axis.x(), sample.axis.y(), sample.axis.z(), sample.speed_limit_mm_s,
+                    sample.speed_mm_s, sample.feed_top_mm_s * 60);
     for (int i = 0; i < machine_->axis_count; ++i) {
         const double unit = machine_->axes[i].rotary ? degree : 1.0;
         const Taylor3& q = sample.axes[i];
-        fmt::format_to(std::back_inserter(row), ",{},{},{},{}", q.value() / unit, q.d1() / unit, q.d2() / unit, q.d3() / unit);
+        fmt::format_to(std::back_inserter(row), ",{},{},{},{}", q.value() / unit, q.d1() / unit, q.d2() / unit,
+                       q.d3() / unit);
     }
     path_->write(row + "\n");
 }

@@ -59,38 +59,47 @@ bool Summary::usable() const {
     const bool limits = std::all_of(axes.begin(), axes.end(), [](const AxisLoad& a) {
         return std::max({a.velocity_ratio, a.acceleration_ratio, a.jerk_ratio}) <= allowed_ratio;
     });
-    const bool orientation = flank_tolerance_mm > 0 ? height_deviation_mm <= flank_tolerance_mm * allowed_deviation
-                                                    : orientation_deviation_rad <= orientation_tolerance_rad * allowed_deviation;
+    const bool orientation = flank_tolerance_mm > 0
+                                 ? height_deviation_mm <= flank_tolerance_mm * allowed_deviation
+                                 : orientation_deviation_rad <= orientation_tolerance_rad * allowed_deviation;
     return limits && orientation && tip_deviation_mm <= tip_tolerance_mm * allowed_deviation;
 }
 
 std::string Summary::report() const {
     std::string out;
-    const auto line = [&](std::string_view name, const std::string& value) { out += fmt::format("{:<22}{}\n", name, value); };
+    const auto line = [&](std::string_view name, const std::string& value) {
+        out += fmt::format("{:<22}{}\n", name, value);
+    };
     line("program", fmt::format("{} ({}, {} blocks)", program, dialect, blocks));
     line("machine", machine + (setup.empty() ? "" : fmt::format(", setup {}", setup)));
-    line("cycle time", fmt::format("{:.3f} s = {:.3f} cutting + {:.3f} rapid + {:.3f} dwell; {:.3f} s without jerk limits",
-                                   cycle_time_s, cut_time_s, rapid_time_s, dwell_time_s, jerk_free_bound_s));
-    line("path", fmt::format("{:.1f} mm of the tip in {} setpoints of {:g} ms", path_length_mm, setpoints, period_s * 1e3));
-    line("deviation at most", fmt::format("tip {:.4f} mm of {:g}; {}", tip_deviation_mm, tip_tolerance_mm,
-                                          flank_tolerance_mm > 0
-                                              ? fmt::format("{:g} mm up the flank {:.4f} mm of {:g}", flank_height_mm,
-                                                            height_deviation_mm, flank_tolerance_mm)
-                                              : fmt::format("orientation {:.4f} deg of {:g}", orientation_deviation_rad / degree,
-                                                            orientation_tolerance_rad / degree)));
+    line("cycle time",
+         fmt::format("{:.3f} s = {:.3f} cutting + {:.3f} rapid + {:.3f} dwell; {:.3f} s without jerk limits",
+                     cycle_time_s, cut_time_s, rapid_time_s, dwell_time_s, jerk_free_bound_s));
+    line("path",
+         fmt::format("{:.1f} mm of the tip in {} setpoints of {:g} ms", path_length_mm, setpoints, period_s * 1e3));
+    line("deviation at most",
+         fmt::format("tip {:.4f} mm of {:g}; {}", tip_deviation_mm, tip_tolerance_mm,
+                     flank_tolerance_mm > 0
+                         ? fmt::format("{:g} mm up the flank {:.4f} mm of {:g}", flank_height_mm, height_deviation_mm,
+                                       flank_tolerance_mm)
+                         : fmt::format("orientation {:.4f} deg of {:g}", orientation_deviation_rad / degree,
+                                       orientation_tolerance_rad / degree)));
     const ExactStops& e = exact_stops;
-    line("exact stops", fmt::format("{}: {} rapids, {} reversals, {} dwells, {} events, {} stop words, {} corners", e.total,
-                                    e.rapids, e.reversals, e.dwells, e.events, e.words, e.corners));
+    line("exact stops", fmt::format("{}: {} rapids, {} reversals, {} dwells, {} events, {} stop words, {} corners",
+                                    e.total, e.rapids, e.reversals, e.dwells, e.events, e.words, e.corners));
     line("axis", "velocity  acceleration  jerk  (peak / limit)   limits the feed");
     for (const AxisLoad& a : axes)
-        line(fmt::format("  {}", a.letter), fmt::format("{:8.4f}  {:12.4f}  {:.4f}                  {:5.1f} % of the cut",
-                                                        a.velocity_ratio, a.acceleration_ratio, a.jerk_ratio, 100 * a.limiting_share));
+        line(fmt::format("  {}", a.letter),
+             fmt::format("{:8.4f}  {:12.4f}  {:.4f}                  {:5.1f} % of the cut", a.velocity_ratio,
+                         a.acceleration_ratio, a.jerk_ratio, 100 * a.limiting_share));
     std::vector<FeedDrop> worst = feed_drops;
-    std::stable_sort(worst.begin(), worst.end(), [](const FeedDrop& a, const FeedDrop& b) { return a.lost_s > b.lost_s; });
+    std::stable_sort(worst.begin(), worst.end(),
+                     [](const FeedDrop& a, const FeedDrop& b) { return a.lost_s > b.lost_s; });
     worst.resize(std::min<std::size_t>(worst.size(), 3));
     for (const FeedDrop& d : worst)
-        line("slow", fmt::format("line {}, {:.1f} … {:.1f} mm: down to {:.0f} of {:.0f} mm/min, {:.3f} s lost, {}", d.line,
-                                 d.s_from_mm, d.s_to_mm, d.feed_min_mm_s * 60, d.programmed_feed_mm_s * 60, d.lost_s, d.cause));
+        line("slow",
+             fmt::format("line {}, {:.1f} … {:.1f} mm: down to {:.0f} of {:.0f} mm/min, {:.3f} s lost, {}", d.line,
+                         d.s_from_mm, d.s_to_mm, d.feed_min_mm_s * 60, d.programmed_feed_mm_s * 60, d.lost_s, d.cause));
     line("verdict", usable() ? "all limits and tolerances hold" : "NOT USABLE: a limit or a tolerance is broken");
     return out;
 }
@@ -122,7 +131,7 @@ std::string to_json(const Summary& s) {
     out["height_deviation_mm"] = s.height_deviation_mm;
     out["tolerance_used"] = s.tolerance_used;
     const ExactStops& e = s.exact_stops;
-    out["exact_stops"] = {{"total", e.total},   {"reversals", e.reversals}, {"rapids", e.rapids}, {"dwells", e.dwells},
+    out["exact_stops"] = {{"total", e.total},   {"reversals", e.reversals}, {"rapids", e.rapids},  {"dwells", e.dwells},
                           {"events", e.events}, {"words", e.words},         {"corners", e.corners}};
     out["axes"] = axes_json(s.axes);
     out["feed_drops"] = drops_json(s.feed_drops);

@@ -397,8 +397,7 @@ TEST_P(PoleLaws, SeriesOfANearMissAreExact) {
 
 std::string stem(const testing::TestParamInfo<std::string>& info) {
     std::string out = std::filesystem::path(info.param).stem().string();
-    std::ranges::replace_if(
-        out, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+    std::ranges::replace_if(out, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
     return out;
 }
 INSTANTIATE_TEST_SUITE_P(Shipped, Laws, testing::ValuesIn(machine_files()), stem);

@@ -1,4 +1,5 @@
-// The planner's time on the smoothed path of the named cases against the optimum that another solver finds on the same path.
+// The planner's time on the smoothed path of the named cases against the optimum that another solver finds on the same
+// path.
 #include <fstream>
 #include <string>
 #include <vector>
@@ -7,7 +8,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "reference_optimum.hpp"
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/feed/plan_stretch.hpp"
 #include "trunnion/files/machine_file.hpp"
@@ -15,6 +15,8 @@
 #include "trunnion/nc/read.hpp"
 #include "trunnion/path/path_builder.hpp"
 #include "trunnion/smoothing/smoothing.hpp"
+
+#include "reference_optimum.hpp"
 
 namespace trunnion {
 namespace {
@@ -59,16 +61,17 @@ TEST_P(NamedCase, is_within_three_percent_of_the_optimum) {
     const double ratio = plan->profile.duration_s() / optimum.time_s;
     RecordProperty("planned_s", fmt::format("{:.4f}", plan->profile.duration_s()));
     RecordProperty("reference_s", fmt::format("{:.4f}", optimum.time_s));
-    fmt::print("{}: planned {:.4f} s, reference {:.4f} s ({} rounds), ratio {:.4f}\n", which.name, plan->profile.duration_s(),
-               optimum.time_s, optimum.rounds, ratio);
+    fmt::print("{}: planned {:.4f} s, reference {:.4f} s ({} rounds), ratio {:.4f}\n", which.name,
+               plan->profile.duration_s(), optimum.time_s, optimum.rounds, ratio);
     EXPECT_LE(ratio, 1.03);
     EXPECT_GE(ratio, 0.98) << "the reference has not converged";
     EXPECT_GE(plan->profile.duration_s(), plan->jerk_free_bound_s * (1 - 1e-4));
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, NamedCase,
-                         testing::Values(Case{"fillet", 2500, 0.01, 0}, Case{"corner", 2000, 0.01, 0}, Case{"pyramid", 2000, 0.02, 0.02},
-                                         Case{"pocket", 1000, 3, 3}, Case{"cone", 1500, 0.01, 0}),
+                         testing::Values(Case{"fillet", 2500, 0.01, 0}, Case{"corner", 2000, 0.01, 0},
+                                         Case{"pyramid", 2000, 0.02, 0.02}, Case{"pocket", 1000, 3, 3},
+                                         Case{"cone", 1500, 0.01, 0}),
                          [](const auto& which) { return which.param.name; });
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Random programs through the whole way, judged by the independent checker. TRUNNION_SEED replays one, TRUNNION_PROGRAMS sets how many.
+// Random programs through the whole way, judged by the independent checker. TRUNNION_SEED replays one,
+// TRUNNION_PROGRAMS sets how many.
 #include <cmath>
 #include <cstdlib>
 
@@ -45,8 +46,8 @@ Eigen::Vector3d direction(Random& random) {
     return v.norm() > 0.05 ? Eigen::Vector3d(v.normalized()) : Eigen::Vector3d::UnitX();
 }
 
-/// A walk: mostly going on in about the same direction, with corners, dense stretches, pure turns, doubled points, rapids and
-/// dwells. With `returns` it also comes back over its own way.
+/// A walk: mostly going on in about the same direction, with corners, dense stretches, pure turns, doubled points,
+/// rapids and dwells. With `returns` it also comes back over its own way.
 Program random_program(Random& random, bool vectors, bool returns) {
     Program program;
     if (!vectors) program.rotary_letters = {'A', 'C'};
@@ -82,7 +83,9 @@ Program random_program(Random& random, bool vectors, bool returns) {
         }
         if (at.position_mm.cwiseAbs().maxCoeff() > 250) way = -at.position_mm.normalized();
         if (random.chance(0.1)) at.feed.value = random.log_between(1, 300);
-        if (random.chance(0.03)) program.events.push_back({EventKind::dwell, true, random.between(0.001, 0.1), "G4", program.moves.size(), 0});
+        if (random.chance(0.03))
+            program.events.push_back(
+                {EventKind::dwell, true, random.between(0.001, 0.1), "G4", program.moves.size(), 0});
         at.exact_stop = random.chance(0.03);
         if (at.kind == MoveKind::rapid) at.position_mm += 5 * direction(random);
         place();
@@ -90,14 +93,15 @@ Program random_program(Random& random, bool vectors, bool returns) {
     return program;
 }
 
-/// Whether tip and turn together (one radian counts 30 mm) change direction by more than a right angle anywhere: near such a corner
-/// the nearest place of the path, by which the checker matches, is not the corresponding one.
+/// Whether tip and turn together (one radian counts 30 mm) change direction by more than a right angle anywhere: near
+/// such a corner the nearest place of the path, by which the checker matches, is not the corresponding one.
 bool turns_back(const Program& program) {
     using Step = Eigen::Matrix<double, 6, 1>;
     Step before = Step::Zero();
     for (std::size_t k = 1; k < program.moves.size(); ++k) {
         Step step;
-        step << program.moves[k].position_mm - program.moves[k - 1].position_mm, 30 * (program.moves[k].axis - program.moves[k - 1].axis);
+        step << program.moves[k].position_mm - program.moves[k - 1].position_mm,
+            30 * (program.moves[k].axis - program.moves[k - 1].axis);
         if (step.norm() < 1e-6) continue;
         if (step.dot(before) < 0) return true;
         before = step;
@@ -143,8 +147,8 @@ void plan_and_check(std::uint64_t seed, const machine::Machine& machine) {
     if (!summary->setpoints) return;
     ASSERT_TRUE(table && poses);
     verify::CheckOptions checking;
-    // The bound is at equal p and strict (usable() above). The checker matches by nearest place, tip and turn together; at sharp
-    // corners of both that can leave one of them a little more.
+    // The bound is at equal p and strict (usable() above). The checker matches by nearest place, tip and turn together;
+    // at sharp corners of both that can leave one of them a little more.
     constexpr double other_matching = 1.03;
     checking.tip_tolerance_mm = options.smoothing.tip_tolerance_mm * other_matching;
     checking.orientation_tolerance_rad = options.smoothing.orientation_tolerance_rad * other_matching;
@@ -155,9 +159,11 @@ void plan_and_check(std::uint64_t seed, const machine::Machine& machine) {
     for (const auto& b : verdict->broken) {
         const bool of_path = b.what.find("deviation") != b.what.npos || b.what.find("poses") != b.what.npos;
         if (matching_fails && of_path) continue;
-        broken += fmt::format("{} {:.6g}, limit {:.6g} at {:.4f} s, line {}\n", b.what, b.value, b.limit, b.time_s, b.line);
+        broken +=
+            fmt::format("{} {:.6g}, limit {:.6g} at {:.4f} s, line {}\n", b.what, b.value, b.limit, b.time_s, b.line);
     }
-    EXPECT_TRUE(broken.empty()) << "seed " << seed << (vectors ? " vectors\n" : " rotary\n") << broken << summary->report();
+    EXPECT_TRUE(broken.empty()) << "seed " << seed << (vectors ? " vectors\n" : " rotary\n") << broken
+                                << summary->report();
 }
 
 TEST(RandomPrograms, hold_every_limit_and_tolerance) {

@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "detail/stretch_table.hpp"
 #include "trunnion/feed/plan_stretch.hpp"
 #include "trunnion/pipeline/summary.hpp"
+
+#include "detail/stretch_table.hpp"
 
 namespace trunnion::pipeline {
 

@@ -9,8 +9,8 @@
 
 namespace trunnion::pipeline {
 
-/// The tip's way and the path parameter at the start of every profile piece of a stretch, the end of the last one added:
-/// what reporting needs beside the profile. The way is measured in chords over profile pieces.
+/// The tip's way and the path parameter at the start of every profile piece of a stretch, the end of the last one
+/// added: what reporting needs beside the profile. The way is measured in chords over profile pieces.
 struct StretchTable {
     std::vector<double> p_mm, s_mm;
     std::vector<Eigen::Vector3d> tip_mm;

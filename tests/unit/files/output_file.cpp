@@ -1,18 +1,18 @@
 #include "trunnion/files/output_file.hpp"
 
-#include <unistd.h>
-
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace trunnion::files {
 namespace {
 
 class OutputFileTest : public testing::Test {
   protected:
-    OutputFileTest() : folder_(std::filesystem::path(testing::TempDir()) / fmt::format("trunnion_output_file_{}", ::getpid())) {
+    OutputFileTest()
+        : folder_(std::filesystem::path(testing::TempDir()) / fmt::format("trunnion_output_file_{}", ::getpid())) {
         std::filesystem::remove_all(folder_);
         std::filesystem::create_directories(folder_);
     }

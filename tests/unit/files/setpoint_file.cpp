@@ -1,13 +1,12 @@
 #include "trunnion/files/setpoint_file.hpp"
 
-#include <unistd.h>
-
 #include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "trunnion/base/quantity.hpp"
 

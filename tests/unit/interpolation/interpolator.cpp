@@ -26,7 +26,8 @@ struct Straight {
         return machine::Kinematics::make(machine, {}, 0).value();
     }
 
-    /// Constant jerk 600 for 0.1 s (0.1 mm), its mirror in the middle at constant x″ … down to a stop: 0.1 + 0.2 + 0.1 mm.
+    /// Constant jerk 600 for 0.1 s (0.1 mm), its mirror in the middle at constant x″ … down to a stop: 0.1 + 0.2 + 0.1
+    /// mm.
     Straight() {
         tool_path.kinematics = &kinematics;
         for (int k = 0; k < 2; ++k) {
@@ -37,7 +38,8 @@ struct Straight {
         }
         tool_path.blocks = {{0, 0.15, {}, 11, 0.15}, {0.15, 0.4, {}, 12, 0.25}};
         const double v = 3.0;  // 600·0.1²/2
-        const auto add = [&](ProfilePiece::Kind kind, std::size_t piece, double offset, double length, double duration) {
+        const auto add = [&](ProfilePiece::Kind kind, std::size_t piece, double offset, double length,
+                             double duration) {
             ProfilePiece p{.kind = kind, .path_piece = piece, .path_offset_mm = offset, .length_mm = length};
             p.begin_s = profile.duration_s();
             p.duration_s = duration;

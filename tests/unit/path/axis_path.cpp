@@ -18,11 +18,13 @@ ToolPath curved(const Kinematics& kinematics) {
         PathPiece piece{10.0 * k, 10.0, {}};
         const auto polynomial = [&](double c0, double c1, double c2, double c3) {  // in p, shifted to the piece
             const double a = piece.begin_mm, h = piece.length_mm;
-            return std::array<double, 8>{c0 + c1 * a + c2 * a * a + c3 * a * a * a, (c1 + 2 * c2 * a + 3 * c3 * a * a) * h,
-                                         (c2 + 3 * c3 * a) * h * h, c3 * h * h * h};
+            return std::array<double, 8>{c0 + c1 * a + c2 * a * a + c3 * a * a * a,
+                                         (c1 + 2 * c2 * a + 3 * c3 * a * a) * h, (c2 + 3 * c3 * a) * h * h,
+                                         c3 * h * h * h};
         };
-        piece.coefficient = {polynomial(1, 0.9, 0.01, -0.002), polynomial(-3, 0.2, 0.03, 0.001), polynomial(40, -0.1, 0.02, 0.0005),
-                             polynomial(0.2, 0.01, 0.002, 0), polynomial(-0.3, 0.02, 0, -0.0001), polynomial(0.9, 0, 0.001, 0)};
+        piece.coefficient = {polynomial(1, 0.9, 0.01, -0.002),   polynomial(-3, 0.2, 0.03, 0.001),
+                             polynomial(40, -0.1, 0.02, 0.0005), polynomial(0.2, 0.01, 0.002, 0),
+                             polynomial(-0.3, 0.02, 0, -0.0001), polynomial(0.9, 0, 0.001, 0)};
         path.pieces.push_back(piece);
     }
     path.blocks.push_back({0, 20, {FeedRule::tip_speed, 50}, 1, 20});
@@ -51,7 +53,8 @@ TEST(AxisPath, holds_the_pose_and_is_differentiated_exactly) {
             for (int i = 0; i < 5; ++i) {
                 EXPECT_NEAR((a[i] - 8 * b[i] + 8 * c[i] - d[i]) / (12 * h), at.axes[i].d1(), 1e-7);
                 EXPECT_NEAR((-a[i] + 16 * b[i] - 30 * m[i] + 16 * c[i] - d[i]) / (12 * h * h), at.axes[i].d2(), 1e-6);
-                EXPECT_NEAR((-a[i] + 2 * b[i] - 2 * c[i] + d[i]) / (2 * h * h * h), at.axes[i].d3(), 1e-3 * (1 + std::abs(at.axes[i].d3())));
+                EXPECT_NEAR((-a[i] + 2 * b[i] - 2 * c[i] + d[i]) / (2 * h * h * h), at.axes[i].d3(),
+                            1e-3 * (1 + std::abs(at.axes[i].d3())));
             }
         }
     }

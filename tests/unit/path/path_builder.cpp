@@ -36,10 +36,13 @@ std::vector<Run> runs_of(PathBuilder& builder) {
 }
 
 TEST(PathBuilder, cuts_at_rapids_stops_and_stopping_events) {
-    Program program = rotary_program({to(0, 0, 0), to(10, 0, 0), to(20, 0, 0), to(20, 10, 0), to(20, 20, 0), to(20, 30, 0), to(0, 0, 50)});
+    Program program = rotary_program(
+        {to(0, 0, 0), to(10, 0, 0), to(20, 0, 0), to(20, 10, 0), to(20, 20, 0), to(20, 30, 0), to(0, 0, 50)});
     program.moves[2].exact_stop = true;
     program.moves[6].kind = MoveKind::rapid;
-    program.events = {{EventKind::coolant, false, 0, "M8", 1, 1}, {EventKind::coolant, false, 0, "M9", 5, 1}, {EventKind::dwell, true, 0.5, "G4", 4, 1}};
+    program.events = {{EventKind::coolant, false, 0, "M8", 1, 1},
+                      {EventKind::coolant, false, 0, "M9", 5, 1},
+                      {EventKind::dwell, true, 0.5, "G4", 4, 1}};
     std::swap(program.events[1], program.events[2]);
     const auto machine = trunnion_table();
     const machine::Setup setup;
@@ -63,7 +66,8 @@ TEST(PathBuilder, cuts_at_rapids_stops_and_stopping_events) {
 TEST(PathBuilder, gives_a_length_to_blocks_that_only_turn) {
     const auto machine = trunnion_table();
     const machine::Setup setup;
-    const Program program = rotary_program({to(0, 0, 0), to(0, 0, 0, 0, 90), to(0, 0, 0, 90, 90), to(0, 0, 0, 90, 0), to(0, 0, 0, 0, 0)});
+    const Program program =
+        rotary_program({to(0, 0, 0), to(0, 0, 0, 0, 90), to(0, 0, 0, 90, 90), to(0, 0, 0, 90, 0), to(0, 0, 0, 0, 0)});
     auto builder = PathBuilder::make(program, machine, setup);
     path::Run run;
     ASSERT_TRUE(builder->next(run).value());
@@ -100,7 +104,8 @@ TEST(PathBuilder, applies_work_offsets_and_tool_lengths) {
     ASSERT_EQ(runs.size(), 2u);
     EXPECT_DOUBLE_EQ(runs[0].vertices.back().position_mm[0], 101);
     EXPECT_EQ(runs[0].stop, StopCause::tool);
-    EXPECT_DOUBLE_EQ(runs[1].vertices.front().position_mm[2], -60);  // the longer tool's tip is lower where the machine stands
+    EXPECT_DOUBLE_EQ(runs[1].vertices.front().position_mm[2],
+                     -60);  // the longer tool's tip is lower where the machine stands
     EXPECT_DOUBLE_EQ(runs[1].vertices.back().position_mm[2], 0);
 }
 
@@ -138,7 +143,8 @@ TEST(PathBuilder, machine_coordinates_begin_where_the_workpiece_moves_ended) {
     const auto runs = runs_of(*builder);
     ASSERT_EQ(runs.size(), 2u);
     EXPECT_EQ(runs[0].stop, StopCause::space);
-    const auto linear = runs[0].kinematics->linear_for(Eigen::Vector3d{10, 0, 0}, machine::RotaryPosition{40 * degree, 30 * degree});
+    const auto linear =
+        runs[0].kinematics->linear_for(Eigen::Vector3d{10, 0, 0}, machine::RotaryPosition{40 * degree, 30 * degree});
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(runs[1].vertices[0].position_mm[k], linear[k], 1e-12);
 }
 

@@ -21,7 +21,8 @@ inline machine::Machine trunnion_table(bool reversed = false) {
         axis.rotary = i > 2;
         axis.reversed = axis.rotary && reversed;
         axis.direction = directions[i];
-        axis.feed = axis.rotary ? machine::AxisLimits{90 * degree, 300 * degree, 1800 * degree} : machine::AxisLimits{500, 2500, 5000};
+        axis.feed = axis.rotary ? machine::AxisLimits{90 * degree, 300 * degree, 1800 * degree}
+                                : machine::AxisLimits{500, 2500, 5000};
         axis.rapid = axis.feed;
         if (!axis.rotary) axis.range_min = -1000, axis.range_max = 1000;
     }

@@ -166,19 +166,40 @@ TEST(Plan, feed_options_change_the_feed) {
     EXPECT_NEAR(top(replaced), 1500, 1.5);
     PlanOptions inverse;
     inverse.feed_override = 2;
-    const Planned timed("G21 G90 G93\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F6\nM2\n"), faster("G21 G90 G93\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F6\nM2\n", inverse);
+    const Planned timed("G21 G90 G93\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F6\nM2\n"),
+        faster("G21 G90 G93\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F6\nM2\n", inverse);
     EXPECT_NEAR(timed.summary->cycle_time_s, 10, 0.2);
     EXPECT_NEAR(faster.summary->cycle_time_s, 5, 0.2);
 }
 
 TEST(Plan, machine_coordinates_are_taken_literally) {
-    const Planned p("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 A30 C20 F6000\nM429\nG1 X50 Y60 Z70 A30 C20\nM428\nG1 X0 Y0 Z0 A0 C0\nM2\n");
+    const Planned p(
+        "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 A30 C20 F6000\nM429\nG1 X50 Y60 Z70 A30 C20\nM428\nG1 X0 Y0 Z0 A0 "
+        "C0\nM2\n");
     ASSERT_TRUE(p.summary) << to_string(p.summary.error());
     EXPECT_TRUE(p.summary->usable());
     const bool there = std::any_of(p.recorder.rows.begin(), p.recorder.rows.end(), [](const motion::Setpoint& row) {
-        return std::abs(row.position[0] - 50) < 1e-3 && std::abs(row.position[1] - 60) < 1e-3 && std::abs(row.position[2] - 70) < 1e-3;
+        return std::abs(row.position[0] - 50) < 1e-3 && std::abs(row.position[1] - 60) < 1e-3 &&
+               std::abs(row.position[2] - 70) < 1e-3;
     });
     EXPECT_TRUE(there);
+}
+
+TEST(Plan, the_free_axis_turns_in_place_where_a_stretch_leaves_the_pole_another_way) {
+    const Planned p(
+        "UNITS/MM\nMULTAX/ON\nRAPID\nGOTO/0,0,50,0,0,1\nFEDRAT/2000,MMPM\nGOTO/0,0,5,0,0,1\nGOTO/10,0,0,0.1,0.05,0.99\n"
+        "RAPID\nGOTO/20,0,50,0,0,1\nRAPID\nGOTO/0,20,50,0,0,1\nGOTO/0,20,5,0,0,1\nGOTO/10,20,0,-0.1,0.05,0.99\nFINI\n");
+    ASSERT_TRUE(p.summary) << to_string(p.summary.error());
+    EXPECT_TRUE(p.summary->usable()) << p.summary->report();
+    EXPECT_EQ(p.summary->exact_stops.total, 3);
+    const auto& rows = p.recorder.rows;
+    double turned = 0;
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+        const double step = std::abs(rows[k].position[4] - rows[k - 1].position[4]);
+        EXPECT_LE(step, 120 * degree * 1e-3 * 1.001) << "row " << k;
+        turned += step;
+    }
+    EXPECT_GT(turned, 45 * degree);
 }
 
 TEST(Plan, path_samples_are_there_when_asked_for) {
@@ -194,7 +215,10 @@ TEST(Plan, path_samples_are_there_when_asked_for) {
         ASSERT_GE(h, 0);
         for (int i = 0; i < 5; ++i) {  // cubic interpolation of the value from both ends' derivatives
             const double step = s[k].axes[i].value() - s[k - 1].axes[i].value();
-            EXPECT_NEAR(step, h / 2 * (s[k].axes[i].d1() + s[k - 1].axes[i].d1()) + h * h / 12 * (s[k - 1].axes[i].d2() - s[k].axes[i].d2()), 1e-5);
+            EXPECT_NEAR(step,
+                        h / 2 * (s[k].axes[i].d1() + s[k - 1].axes[i].d1()) +
+                            h * h / 12 * (s[k - 1].axes[i].d2() - s[k].axes[i].d2()),
+                        1e-5);
         }
         EXPECT_LE(s[k].speed_mm_s, s[k].speed_limit_mm_s * 1.0005 + 1e-9);
     }
@@ -224,10 +248,29 @@ TEST(Plan, refuses_options_without_meaning) {
 TEST(Summary, json_has_what_other_programs_rely_on) {
     const Planned p("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F60000\nX100 Y100\nM2\n");
     const auto json = nlohmann::json::parse(to_json(*p.summary));
-    for (const char* key : {"program", "machine", "controller", "options", "cycle_time_s", "cut_time_s", "rapid_time_s", "dwell_time_s",
-                            "path_length_mm", "setpoints", "period_s", "jerk_free_bound_s", "tip_deviation_mm",
-                            "orientation_deviation_deg", "height_deviation_mm", "tolerance_used", "exact_stops", "axes", "feed_drops",
-                            "windows", "fallbacks", "work", "diagnostics"})
+    for (const char* key : {"program",
+                            "machine",
+                            "controller",
+                            "options",
+                            "cycle_time_s",
+                            "cut_time_s",
+                            "rapid_time_s",
+                            "dwell_time_s",
+                            "path_length_mm",
+                            "setpoints",
+                            "period_s",
+                            "jerk_free_bound_s",
+                            "tip_deviation_mm",
+                            "orientation_deviation_deg",
+                            "height_deviation_mm",
+                            "tolerance_used",
+                            "exact_stops",
+                            "axes",
+                            "feed_drops",
+                            "windows",
+                            "fallbacks",
+                            "work",
+                            "diagnostics"})
         EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json["axes"].size(), 5u);
     EXPECT_GT(json["axes"]["X"]["jerk_ratio"].get<double>(), 0.9);

@@ -11,6 +11,8 @@ template <class T>
 using Result = std::expected<T, Diagnostic>;
 
 /// Shorthand for the failing side of a Result.
-inline std::unexpected<Diagnostic> fail(Diagnostic diagnostic) { return std::unexpected(std::move(diagnostic)); }
+inline std::unexpected<Diagnostic> fail(Diagnostic diagnostic) {
+    return std::unexpected(std::move(diagnostic));
+}
 
 }  // namespace trunnion

@@ -21,17 +21,17 @@ struct Instant {
 
 /// Turns the feed profile of one stretch into axis positions, one call per control period.
 ///
-/// Keeps references to path and profile, which must outlive it. Real-time safe: at() is noexcept, allocates nothing, takes
-/// no lock; one inverse kinematics and at most 30 Newton steps, plus one step for every profile piece and block that was
-/// passed since the call before.
+/// Keeps references to path and profile, which must outlive it. Real-time safe: at() is noexcept, allocates nothing,
+/// takes no lock; one inverse kinematics and at most 30 Newton steps, plus one step for every profile piece and block
+/// that was passed since the call before.
 class Interpolator {
   public:
     Interpolator(const path::AxisPath& path, const motion::FeedProfile& profile) noexcept;
 
     double duration_s() const noexcept { return profile_->duration_s(); }
 
-    /// State at `time_s` from the stretch's start. Times must not descend from call to call; before the start and behind
-    /// the end the machine stands.
+    /// State at `time_s` from the stretch's start. Times must not descend from call to call; before the start and
+    /// behind the end the machine stands.
     Instant at(double time_s) noexcept;
 
   private:

@@ -37,9 +37,9 @@ struct AxisLimits {
 struct Axis {
     char letter = 'X';
     bool rotary = false;
-    bool reversed = false;  ///< the control counts against ISO 841
+    bool reversed = false;                                 ///< the control counts against ISO 841
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< unit, machine frame, all axes at 0
-    Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();    ///< rotary: a point on the axis, machine frame, all axes at 0
+    Eigen::Vector3d point_mm = Eigen::Vector3d::Zero();  ///< rotary: a point on the axis, machine frame, all axes at 0
     double range_min = -std::numeric_limits<double>::infinity();  ///< in the control's count; infinite = endless
     double range_max = std::numeric_limits<double>::infinity();
     AxisLimits feed;   ///< limits
@@ -57,7 +57,7 @@ struct Machine {
     std::string file;
     std::array<Axis, max_axes> axes;  ///< order of AxisVector; the first `axis_count` count
     int axis_count = 0;
-    int rotary_count = 0;             ///< the last ones of axes
+    int rotary_count = 0;                       ///< the last ones of axes
     std::array<std::int8_t, max_axes> chain{};  ///< indices into axes, workpiece → tool; the first `axis_count` count
     ControlWords words;
 
@@ -82,8 +82,8 @@ struct Tool {
     ToolKind kind = ToolKind::flat;
     double diameter_mm = 0;
     double corner_radius_mm = 0;
-    double length_mm = 0;           ///< gauge line → tip
-    bool controls_centre = false;   ///< the tolerance is of the ball's or torus' centre, not of the tip
+    double length_mm = 0;          ///< gauge line → tip
+    bool controls_centre = false;  ///< the tolerance is of the ball's or torus' centre, not of the tip
     /// Distance of the controlled point from the tip, up the tool axis.
     double controlled_height_mm() const {
         if (!controls_centre) return 0;
@@ -93,12 +93,12 @@ struct Tool {
 
 /// How the part and the tool sit in the machine.
 struct Setup {
-    std::string file;                       ///< empty: none was given
-    Frame workpiece;                        ///< program zero in the machine frame, all axes at 0
-    Tool tool;                              ///< of a program that names none
-    std::map<std::string, Tool> tools;      ///< by number or name, as T words say
-    std::map<std::string, Frame> offsets;   ///< by word (`G54`), relative to `workpiece`
-    std::map<char, double> start, home;     ///< axis letter → mm or rad
+    std::string file;                      ///< empty: none was given
+    Frame workpiece;                       ///< program zero in the machine frame, all axes at 0
+    Tool tool;                             ///< of a program that names none
+    std::map<std::string, Tool> tools;     ///< by number or name, as T words say
+    std::map<std::string, Frame> offsets;  ///< by word (`G54`), relative to `workpiece`
+    std::map<char, double> start, home;    ///< axis letter → mm or rad
 };
 
 }  // namespace trunnion::machine

@@ -12,11 +12,11 @@ namespace trunnion::motion {
 /// cubic: x = ṗ² with x(0) = x0, x′(0) = d0 and x″ linear from e0 to e1 over the length (mm²/s², by mm).
 struct ProfilePiece {
     enum class Kind : std::uint8_t { rest_start, cubic, rest_stop } kind = Kind::cubic;
-    std::size_t path_piece = 0;    ///< of the stretch's ToolPath
-    double path_offset_mm = 0;     ///< where this piece begins in that path piece
-    double length_mm = 0;          ///< never longer than what is left of the path piece
+    std::size_t path_piece = 0;  ///< of the stretch's ToolPath
+    double path_offset_mm = 0;   ///< where this piece begins in that path piece
+    double length_mm = 0;        ///< never longer than what is left of the path piece
     double x0 = 0, d0 = 0, e0 = 0, e1 = 0;
-    double jerk_mm_s3 = 0;         ///< of the rest kinds
+    double jerk_mm_s3 = 0;               ///< of the rest kinds
     double begin_s = 0, duration_s = 0;  ///< from the stretch's start
 };
 
@@ -29,7 +29,7 @@ struct FeedProfile {
 /// State along the path at one time.
 struct PathState {
     std::size_t profile_piece = 0;
-    double delta_mm = 0;   ///< from the profile piece's start
+    double delta_mm = 0;                                            ///< from the profile piece's start
     double speed_mm_s = 0, acceleration_mm_s2 = 0, jerk_mm_s3 = 0;  ///< ṗ, p̈, p⃛
 };
 

@@ -35,11 +35,21 @@ struct Taylor3 {
     }
 };
 
-constexpr Taylor3 operator-(const Taylor3& a) { return {-a.c[0], -a.c[1], -a.c[2], -a.c[3]}; }
-constexpr Taylor3 operator+(Taylor3 a, const Taylor3& b) { return a += b; }
-constexpr Taylor3 operator-(Taylor3 a, const Taylor3& b) { return a -= b; }
-constexpr Taylor3 operator*(Taylor3 a, double s) { return a *= s; }
-constexpr Taylor3 operator*(double s, Taylor3 a) { return a *= s; }
+constexpr Taylor3 operator-(const Taylor3& a) {
+    return {-a.c[0], -a.c[1], -a.c[2], -a.c[3]};
+}
+constexpr Taylor3 operator+(Taylor3 a, const Taylor3& b) {
+    return a += b;
+}
+constexpr Taylor3 operator-(Taylor3 a, const Taylor3& b) {
+    return a -= b;
+}
+constexpr Taylor3 operator*(Taylor3 a, double s) {
+    return a *= s;
+}
+constexpr Taylor3 operator*(double s, Taylor3 a) {
+    return a *= s;
+}
 
 constexpr Taylor3 operator*(const Taylor3& a, const Taylor3& b) {
     return {a.c[0] * b.c[0], a.c[0] * b.c[1] + a.c[1] * b.c[0], a.c[0] * b.c[2] + a.c[1] * b.c[1] + a.c[2] * b.c[0],
@@ -76,12 +86,17 @@ inline SinCos sin_cos(const Taylor3& a) {
     const double s = std::sin(a.c[0]), c = std::cos(a.c[0]);
     return {compose(a, s, c, -0.5 * s, -c / 6), compose(a, c, -s, -0.5 * c, s / 6)};
 }
-inline Taylor3 sin(const Taylor3& a) { return sin_cos(a).sin; }
-inline Taylor3 cos(const Taylor3& a) { return sin_cos(a).cos; }
+inline Taylor3 sin(const Taylor3& a) {
+    return sin_cos(a).sin;
+}
+inline Taylor3 cos(const Taylor3& a) {
+    return sin_cos(a).cos;
+}
 
 /// Angle of (x, y), in (−π, π]. Precondition: (x, y) ≠ 0 at the point of expansion.
 inline Taylor3 atan2(const Taylor3& y, const Taylor3& x) {
-    const Taylor3 numerator = x * Taylor3{y.c[1], 2 * y.c[2], 3 * y.c[3], 0} - y * Taylor3{x.c[1], 2 * x.c[2], 3 * x.c[3], 0};
+    const Taylor3 numerator =
+        x * Taylor3{y.c[1], 2 * y.c[2], 3 * y.c[3], 0} - y * Taylor3{x.c[1], 2 * x.c[2], 3 * x.c[3], 0};
     const Taylor3 slope = numerator / (x * x + y * y);  // its first three coefficients are exact
     return {std::atan2(y.c[0], x.c[0]), slope.c[0], slope.c[1] / 2, slope.c[2] / 3};
 }

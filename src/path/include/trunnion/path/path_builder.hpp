@@ -33,9 +33,9 @@ class PathBuilder {
     /// Notes and warnings met so far.
     const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
-    /// Where the axes are before the first motion as far as anybody can know: rotary axes at Setup::start, else 0. Where a
-    /// program of tool vectors begins with the tool along the axis nearest to the workpiece, that axis already stands
-    /// where the first tilted pose wants it.
+    /// Where the axes are before the first motion as far as anybody can know: rotary axes at Setup::start, else 0.
+    /// Where a program of tool vectors begins with the tool along the axis nearest to the workpiece, that axis already
+    /// stands where the first tilted pose wants it.
     machine::AxisPosition home() const;
 
   private:

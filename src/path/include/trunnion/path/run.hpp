@@ -34,7 +34,8 @@ struct Block {
 };
 
 /// Why motion stands still at the end of a run or stretch.
-enum class StopCause : std::uint8_t { end, reversal, rapid, event, exact_stop, space, tool, corner };
+/// (`turn`: rotary axes were turned in place at the pole; it belongs to the stop before it.)
+enum class StopCause : std::uint8_t { end, reversal, rapid, event, exact_stop, space, tool, corner, turn };
 
 /// An event of the program (index in Program::events) that falls where blocks[block] of the run begins; block =
 /// blocks.size(): at the run's end.
@@ -49,7 +50,7 @@ struct Run {
     Space space = Space::workpiece;
     OrientationLaw law = OrientationLaw::vector;
     bool rapid = false;
-    std::size_t first_move = 0;    ///< index in Program::moves of the move of blocks[0]
+    std::size_t first_move = 0;                       ///< index in Program::moves of the move of blocks[0]
     const machine::Kinematics* kinematics = nullptr;  ///< not owned
     std::vector<PathCoordinates> vertices;
     std::vector<Block> blocks;

@@ -9,8 +9,8 @@
 namespace trunnion::path {
 
 /// Polynomial of degree 7 on one interval of the path parameter: coefficients in u = (p − begin_mm)/length_mm ∈ [0, 1].
-/// coefficient[k][i] belongs to u^i; k = 0…2 position (mm), k = 3…5 orientation (law vector: a vector along the tool axis,
-/// not normalised, never 0; law rotary and machine space: rad).
+/// coefficient[k][i] belongs to u^i; k = 0…2 position (mm), k = 3…5 orientation (law vector: a vector along the tool
+/// axis, not normalised, never 0; law rotary and machine space: rad).
 struct PathPiece {
     double begin_mm = 0;
     double length_mm = 0;
@@ -27,9 +27,9 @@ struct BlockSpan {
 
 /// What smoothing guarantees of a stretch, over all of it, against the programmed path at equal p.
 struct DeviationBound {
-    double tip_mm = 0;           ///< of the controlled point
+    double tip_mm = 0;  ///< of the controlled point
     double orientation_rad = 0;
-    double height_mm = 0;        ///< of the point at the flank height
+    double height_mm = 0;  ///< of the point at the flank height
 };
 
 /// Tool path from rest to rest as geometry over the path parameter p, from 0 at its start. C³ inside. dp/du > 0.
@@ -38,9 +38,9 @@ struct ToolPath {
     OrientationLaw law = OrientationLaw::vector;
     bool rapid = false;
     const machine::Kinematics* kinematics = nullptr;  ///< not owned
-    std::vector<PathPiece> pieces;   ///< abutting, from p = 0
-    std::vector<BlockSpan> blocks;   ///< abutting, from p = 0
-    std::size_t first_move = 0;      ///< index in Program::moves of the move of blocks[0]
+    std::vector<PathPiece> pieces;                    ///< abutting, from p = 0
+    std::vector<BlockSpan> blocks;                    ///< abutting, from p = 0
+    std::size_t first_move = 0;                       ///< index in Program::moves of the move of blocks[0]
     DeviationBound bound;
     std::vector<float> transition_use;  ///< deviation / tolerance at every block transition inside
     StopCause stop = StopCause::end;    ///< what the standstill at its end is for

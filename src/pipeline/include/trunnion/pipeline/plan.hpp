@@ -18,9 +18,9 @@ struct PlanOptions {
     smoothing::SmoothingOptions smoothing;  ///< its controlled height comes from the tool in use
     feed::FeedOptions feed;
     double period_s = 1e-3;
-    double feed_override = 1;               ///< any value > 0
-    std::optional<double> feed_mm_s;        ///< replaces the programmed feeds
-    bool path_samples = false;              ///< whether the observer wants them
+    double feed_override = 1;         ///< any value > 0
+    std::optional<double> feed_mm_s;  ///< replaces the programmed feeds
+    bool path_samples = false;        ///< whether the observer wants them
 };
 
 /// One row of `--path`: geometry and speed at one place.

@@ -20,8 +20,8 @@ struct FeedDrop {
     int line = 0;
     double s_from_mm = 0, s_to_mm = 0;
     double feed_min_mm_s = 0, programmed_feed_mm_s = 0;
-    double lost_s = 0;       ///< against the programmed feed
-    std::string cause;       ///< what costs most there: `A jerk`, `X acceleration`, …
+    double lost_s = 0;  ///< against the programmed feed
+    std::string cause;  ///< what costs most there: `A jerk`, `X acceleration`, …
 };
 
 struct ExactStops {

@@ -40,17 +40,19 @@ inline constexpr int max_rotary_letters = 3;
 
 /// One move, modal words resolved: where it ends and how it gets there from the end of the move before.
 struct Move {
-    Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();     ///< its end, in its space
-    Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();           ///< law vector: unit tool axis in the workpiece at its end, tip → spindle
-    std::array<double, max_rotary_letters> rotary_rad{};       ///< law rotary: literal words at its end, order of Program::rotary_letters
+    Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();  ///< its end, in its space
+    Eigen::Vector3d axis =
+        Eigen::Vector3d::UnitZ();  ///< law vector: unit tool axis in the workpiece at its end, tip → spindle
+    std::array<double, max_rotary_letters>
+        rotary_rad{};  ///< law rotary: literal words at its end, order of Program::rotary_letters
     Feed feed;
     MoveKind kind = MoveKind::feed;
     Space space = Space::workpiece;
     OrientationLaw law = OrientationLaw::vector;
-    bool exact_stop = false;                                   ///< the program asks for standstill at its end
-    std::uint16_t tool = 0;                                    ///< index in Program::tools
-    std::uint16_t offset = 0;                                  ///< index in Program::offsets
-    std::int32_t line = 0;                                     ///< in the source, from 1
+    bool exact_stop = false;   ///< the program asks for standstill at its end
+    std::uint16_t tool = 0;    ///< index in Program::tools
+    std::uint16_t offset = 0;  ///< index in Program::offsets
+    std::int32_t line = 0;     ///< in the source, from 1
 };
 
 enum class EventKind : std::uint8_t { dwell, tool, spindle, coolant, stop, other };
@@ -58,25 +60,26 @@ enum class EventKind : std::uint8_t { dwell, tool, spindle, coolant, stop, other
 /// Something other than motion, at its place among the moves.
 struct Event {
     EventKind kind = EventKind::other;
-    bool stops_motion = false;   ///< the axes stand still when it happens
+    bool stops_motion = false;  ///< the axes stand still when it happens
     double dwell_s = 0;
-    std::string word;            ///< as written, `M3`, `S600`, `T8`, `G4 P2`
-    std::size_t before_move = 0; ///< it falls where moves[before_move] begins; moves.size() = at the end
+    std::string word;             ///< as written, `M3`, `S600`, `T8`, `G4 P2`
+    std::size_t before_move = 0;  ///< it falls where moves[before_move] begins; moves.size() = at the end
     std::int32_t line = 0;
 };
 
 /// A part program, all that matters for motion. moves[0] is where motion starts: the first fully determined pose, not a
 /// motion itself. Later moves go from the end of the one before.
 struct Program {
-    std::string name;      ///< as the program says, or the file's stem
-    std::string source;    ///< the file
-    std::string dialect;   ///< "apt", "rs274"
-    std::vector<char> rotary_letters;                 ///< of law rotary, order of Move::rotary_rad
-    std::vector<std::string> tools{std::string{}};    ///< [0] = the program names none
-    std::vector<std::string> offsets{std::string{}};  ///< [0] = the setup's workpiece itself (G54 too unless the setup has it)
+    std::string name;                               ///< as the program says, or the file's stem
+    std::string source;                             ///< the file
+    std::string dialect;                            ///< "apt", "rs274"
+    std::vector<char> rotary_letters;               ///< of law rotary, order of Move::rotary_rad
+    std::vector<std::string> tools{std::string{}};  ///< [0] = the program names none
+    std::vector<std::string> offsets{
+        std::string{}};  ///< [0] = the setup's workpiece itself (G54 too unless the setup has it)
     std::vector<Move> moves;
     std::vector<Event> events;
-    std::vector<Diagnostic> diagnostics;              ///< warnings, each once with its count
+    std::vector<Diagnostic> diagnostics;  ///< warnings, each once with its count
 };
 
 }  // namespace trunnion::program
