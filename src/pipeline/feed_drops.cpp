@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -12,24 +11,6 @@ namespace {
 
 constexpr double dropped_below = 0.9;  // of the programmed feed
 constexpr double worth_telling_s = 0.005;
-
-/// The tip's speed in the workpiece that the block asks for at a place, mm/s; infinite where it asks for none.
-double programmed_speed(const path::BlockSpan& block, double tip_rate, const path::AxisSample& sample) {
-    const auto per_rate = [&](double rate) {
-        return rate > 0 ? tip_rate * block.feed.value / rate : std::numeric_limits<double>::infinity();
-    };
-    switch (block.feed.rule) {
-        case path::FeedRule::tip_speed:
-            return per_rate(sample.feed_rate);
-        case path::FeedRule::rotary_rate:
-            return per_rate(sample.turn_rate);
-        case path::FeedRule::block_time:
-            return tip_rate * block.time_scale_mm / block.feed.value;
-        case path::FeedRule::none:
-            break;
-    }
-    return std::numeric_limits<double>::infinity();
-}
 
 }  // namespace
 
@@ -47,10 +28,10 @@ void FeedDropCollector::add(const path::AxisPath& path, const feed::StretchPlan&
         path::AxisSample sample;
         path.evaluate({piece.path_piece, middle}, sample);
         const double tip_rate = std::hypot(sample.tip[0].d1(), sample.tip[1].d1(), sample.tip[2].d1());
-        const double programmed = programmed_speed(tool_path.blocks[block], tip_rate, sample);
+        const double programmed = tip_rate * feed::feed_speed_cap(tool_path.blocks[block], sample);
         const double way = table.s_mm[i + 1] - table.s_mm[i];
         const double speed = piece.duration_s > 0 ? way / piece.duration_s : programmed;
-        if (!std::isfinite(programmed) || programmed <= 0 || speed >= dropped_below * programmed) {
+        if (!std::isfinite(programmed) || !(programmed > 0) || speed >= dropped_below * programmed) {
             close();
             continue;
         }

@@ -91,6 +91,25 @@ TEST(AxisPath, follows_one_branch_beside_the_pole) {
     }
 }
 
+TEST(AxisPath, sees_a_passage_of_the_pole_between_two_places_that_look_alike) {
+    const auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    for (const double shift : {0.05, -0.031, 0.077}) {  // the pole is not where an interval is halved
+        ToolPath tool_path = past_the_pole(*kinematics, 1e-4);
+        tool_path.pieces[0].coefficient[3][0] += shift;
+        const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+        ASSERT_TRUE(path) << to_string(path.error());
+        EXPECT_NEAR(std::abs(path->end_position()[4] - path->begin_position()[4]), 180 * degree, 0.01);
+        const double nearest_mm = 40 * (0.18 - shift) / 0.36;
+        double last = path->position({0, nearest_mm - 1}).v[4];
+        for (int k = -20000; k <= 20000; ++k) {  // no jump anywhere beside the pole: 0.1 µm steps near it
+            const double c = path->position({0, nearest_mm + 1e-4 * k}).v[4];
+            ASSERT_LT(std::abs(c - last), 40 * degree) << shift << " at " << k;
+            last = c;
+        }
+    }
+}
+
 TEST(AxisPath, straight_through_the_pole_keeps_c) {
     const auto machine = trunnion_table();
     const auto kinematics = Kinematics::make(machine, {}, 0);

@@ -55,7 +55,7 @@ struct SmoothingOptions {
 /// distance to the 256th neighbour on either side: blocks below 0.02 mm are smoothed over less length, at bounded cost.
 ///
 /// Preconditions: as Run says; finite values. `run.kinematics` may be null under law vector in workpiece space.
-/// Cost: 5-20 µs a block, linear in the run's length. Allocates. Stateless, thread safe.
+/// Cost: 5-60 µs a block, linear in the run's length. Allocates. Stateless, thread safe.
 void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out);
 
 }  // namespace trunnion::smoothing
