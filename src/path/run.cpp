@@ -37,10 +37,16 @@ double turn_rad(const Run& run, const PathCoordinates& from, const PathCoordinat
     return vectors ? turn_of_vectors(from, to) : turn_of_axes(run, from, to);
 }
 
-double block_length_mm(const Run& run, const PathCoordinates& from, const PathCoordinates& to) {
+geometry::Helix helix_between(const program::Arc& arc, const PathCoordinates& from, const PathCoordinates& to) {
+    return {Eigen::Vector3d(from.position_mm.data()), Eigen::Vector3d(to.position_mm.data()), arc.centre_mm, arc.normal,
+            arc.angle_rad};
+}
+
+double block_length_mm(const Run& run, const PathCoordinates& from, const PathCoordinates& to,
+                       const program::Arc* arc) {
     const auto& a = from.position_mm;
     const auto& b = to.position_mm;
-    const double way = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    const double way = arc ? helix_between(*arc, from, to).length() : std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     return std::hypot(way, reference_height_mm * turn_rad(run, from, to));
 }
 

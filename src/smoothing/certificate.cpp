@@ -30,7 +30,8 @@ class Prover {
     Prover(const path::Run& run, const Curve& curve, Certificate& out)
         : run_(run), curve_(curve), measure_(curve.measure), out_(out), lever_axis_(lever_axis(run)) {
         const double turn = curve.line.largest_turn_rad;
-        sideways_ = 0.017 * turn * turn * turn;  // θ³/6·max t(1−t)(1−2t)
+        sideways_ = 0.017 * turn * turn * turn;              // θ³/6·max t(1−t)(1−2t)
+        chord_error_mm_ = 1.01 * curve.line.chord_error_mm;  // and what it is off along the chord
     }
 
     void cell(const Cell& c) { prove(c.curve, c.from, c.to, c, 0); }
@@ -105,9 +106,9 @@ class Prover {
         widen(seen_, ends);
         Extent hull = ends;
         for (int k = 1; k < 7; ++k) widen(hull, measured(d[k], lever));
-        hull.tip += measure_.controlled_height_mm() * beyond;
+        hull.tip += measure_.controlled_height_mm() * beyond + chord_error_mm_;
         hull.turn += beyond;
-        hull.height += measure_.flank_height_mm() * beyond;
+        hull.height += measure_.flank_height_mm() * beyond + chord_error_mm_;
         if (depth == most_halvings || !slack(hull)) return conclude(hull, cell);
         const Coordinates middle = 0.5 * (from + to);
         Bernstein after = curve;
@@ -117,8 +118,9 @@ class Prover {
     }
 
     bool slack(const Extent& hull) const {
-        return hull.tip > worth_halving * seen_.tip + 1e-9 || hull.turn > worth_halving * seen_.turn + 1e-11 ||
-               hull.height > worth_halving * seen_.height + 1e-9;
+        const double near_mm = chord_error_mm_ + 1e-9;
+        return hull.tip > worth_halving * seen_.tip + near_mm || hull.turn > worth_halving * seen_.turn + 1e-11 ||
+               hull.height > worth_halving * seen_.height + near_mm;
     }
 
     void conclude(const Extent& hull, const Cell& cell) {
@@ -138,7 +140,8 @@ class Prover {
     Certificate& out_;
     int lever_axis_;
     double sideways_ = 0;  // a slerp from its chord, as an angle
-    Extent seen_;          // deviations that do occur in this section
+    double chord_error_mm_ = 0;
+    Extent seen_;  // deviations that do occur in this section
 };
 
 /// Whether a hodograph stays away from 0: all of it on the far side of a plane across its middle.

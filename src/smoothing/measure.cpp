@@ -41,7 +41,7 @@ double largest_arm(const path::Run& run, VertexRange range) {
             arm = std::max(arm, distance_from_axis(kinematics, axes, a));
         if (i == range.last) break;
         const Coordinates step = joined(run.vertices[i + 1]) - joined(run.vertices[i]);
-        way = std::max(way, step.head<3>().norm());
+        way = std::max(way, run.blocks[i].arc == program::no_arc ? step.head<3>().norm() : run.blocks[i].length_mm);
         turn = std::max(turn, step.tail<3>().cwiseAbs().maxCoeff());
     }
     return (arm + 0.5 * way) * std::exp(0.5 * turn);

@@ -16,6 +16,7 @@ namespace {
 constexpr double no_kink = 1e-9;           // relative change of the tangent that is rounding
 constexpr double reversal_cosine = -0.99;  // between tangents: |c′| of the rounded corner falls to 0.07
 constexpr int narrowing_rounds = 24;
+constexpr double chord_part = 1.0 / 40;  // of the tip tolerance: an arc from its chords
 
 /// Where a run must stand still.
 struct Stop {
@@ -42,7 +43,9 @@ path::Run without_doubled_points(const path::Run& run) {
     return kept;
 }
 
+/// The tangent changes, or curvature does.
 bool is_kink(const path::Run& run, std::size_t vertex) {
+    if (run.blocks[vertex].arc != program::no_arc || run.blocks[vertex - 1].arc != program::no_arc) return true;
     return (tangent_at_begin(run, vertex) - tangent_at_end(run, vertex - 1)).norm() > no_kink;
 }
 
@@ -77,7 +80,7 @@ std::vector<Stop> lone_reversals(const path::Run& run, const SmoothingOptions& o
 class Smoother {
   public:
     Smoother(const path::Run& run, VertexRange range, const Measure& measure)
-        : run_(run), range_(range), curve_(make_polyline(run, range, largest_turn(measure)), measure) {}
+        : run_(run), range_(range), curve_(make_polyline(run, range, division(measure)), measure) {}
 
     /// Stops that the stretch needs; none: it is smoothed.
     std::vector<Stop> work() {
@@ -115,10 +118,11 @@ class Smoother {
     }
 
   private:
-    /// So far a vector may turn within a block: kinks so small that several of them share one width.
-    static double largest_turn(const Measure& measure) {
+    /// So far a vector may turn and an arc bulge within a block: kinks so small that several of them share one width.
+    static Division division(const Measure& measure) {
         constexpr double degree = std::numbers::pi / 180;
-        return std::clamp(2 * measure.turn_tolerance_rad(), 0.2 * degree, 2 * degree);
+        return {std::clamp(2 * measure.turn_tolerance_rad(), 0.2 * degree, 2 * degree),
+                std::clamp(measure.tip_tolerance_mm() * chord_part, 1e-5, 1e-3)};
     }
 
     static void widen(path::DeviationBound& a, const path::DeviationBound& b) {

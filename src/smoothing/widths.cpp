@@ -46,9 +46,10 @@ double cap_at(const Bumps& bumps, std::size_t vertex, double cap_mm) {
     return left == most_neighbours ? std::min(cap_mm, distance) : cap_mm;
 }
 
-std::vector<double> caps_of(const Bumps& bumps) {
+std::vector<double> caps_of(const Bumps& bumps, const Polyline& line) {
     std::vector<double> cap(bumps.size(), bumps.cap_mm());
-    for (std::size_t k = bumps.first(); k <= bumps.last(); ++k) cap[k] = cap_at(bumps, k, bumps.cap_mm());
+    for (std::size_t k = bumps.first(); k <= bumps.last(); ++k)
+        cap[k] = std::min(cap_at(bumps, k, bumps.cap_mm()), line.widest_mm[k - bumps.first()]);
     return cap;
 }
 
@@ -204,7 +205,11 @@ void repair(Curve& curve, Samples& samples) {
 }  // namespace
 
 Curve::Curve(Polyline polyline, const Measure& how)
-    : line(std::move(polyline)), measure(how), bumps(line, cap_of(line, how)), cap(caps_of(bumps)), raw_width(cap) {
+    : line(std::move(polyline)),
+      measure(how),
+      bumps(line, cap_of(line, how)),
+      cap(caps_of(bumps, line)),
+      raw_width(cap) {
     bumps.curve_width = cap;
     bumps.corner_width = cap;
     bumps.mirror();

@@ -62,6 +62,15 @@ inline path::Run run_through(const std::vector<Pose>& poses, path::OrientationLa
     return run;
 }
 
+/// Makes a block of the run an arc about a centre; its ends must lie on it.
+inline void make_arc(path::Run& run, std::size_t block, const Eigen::Vector3d& centre, const Eigen::Vector3d& normal,
+                     double angle_rad) {
+    run.blocks[block].arc = static_cast<std::int32_t>(run.arcs.size());
+    run.arcs.push_back({centre, normal, angle_rad});
+    run.blocks[block].length_mm =
+        path::block_length_mm(run, run.vertices[block], run.vertices[block + 1], &run.arcs.back());
+}
+
 /// Vector law, axis along Z.
 inline path::Run upright(const std::vector<std::array<double, 3>>& points) {
     std::vector<Pose> poses;

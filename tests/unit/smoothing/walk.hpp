@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "trunnion/geometry/great_circle.hpp"
 #include "trunnion/path/tool_path.hpp"
 
@@ -10,7 +12,15 @@
 
 namespace trunnion::smoothing::test {
 
-/// The programmed place at a part of a block: position straight, vector by slerp, rotary axes straight.
+/// A place on an arc: the spoke of the start, turned about the normal (Rodrigues), and the climb.
+inline Eigen::Vector3d on_arc(const program::Arc& arc, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                              double part) {
+    const Eigen::Vector3d n = arc.normal, arm = from - arc.centre_mm, spoke = arm - arm.dot(n) * n;
+    const double turn = part * arc.angle_rad;
+    return from - spoke + std::cos(turn) * spoke + std::sin(turn) * n.cross(spoke) + part * (to - from).dot(n) * n;
+}
+
+/// The programmed place at a part of a block: position straight or on its arc, vector by slerp, rotary axes straight.
 inline Pose programmed(const path::Run& run, std::size_t block, double part) {
     const auto& a = run.vertices[block];
     const auto& b = run.vertices[block + 1];
@@ -18,6 +28,11 @@ inline Pose programmed(const path::Run& run, std::size_t block, double part) {
     for (int k = 0; k < 3; ++k) {
         q[k] = a.position_mm[k] + part * (b.position_mm[k] - a.position_mm[k]);
         q[3 + k] = a.orientation[k] + part * (b.orientation[k] - a.orientation[k]);
+    }
+    if (run.blocks[block].arc != program::no_arc) {
+        const Eigen::Vector3d at = on_arc(run.arcs[run.blocks[block].arc], Eigen::Vector3d(a.position_mm.data()),
+                                          Eigen::Vector3d(b.position_mm.data()), part);
+        for (int k = 0; k < 3; ++k) q[k] = at[k];
     }
     if (run.law == path::OrientationLaw::vector && run.space == path::Space::workpiece) {
         const Eigen::Vector3d n =

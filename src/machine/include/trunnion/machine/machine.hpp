@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -96,9 +97,13 @@ struct Setup {
     std::string file;                      ///< empty: none was given
     Frame workpiece;                       ///< program zero in the machine frame, all axes at 0
     Tool tool;                             ///< of a program that names none
-    std::map<std::string, Tool> tools;     ///< by number or name, as T words say
+    std::map<std::string, Tool> tools;     ///< by number or name, as T words say; a further edge as `8 D2`
     std::map<std::string, Frame> offsets;  ///< by word (`G54`), relative to `workpiece`
     std::map<char, double> start, home;    ///< axis letter → mm or rad
+
+    /// The tool of a name that a program calls: that of `tools`; a name that ends in ` D0` (tool offset off) is a tool
+    /// of length 0. Null: not in the table.
+    const Tool* tool_named(std::string_view name) const;
 };
 
 }  // namespace trunnion::machine

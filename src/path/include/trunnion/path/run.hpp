@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "trunnion/geometry/helix.hpp"
 #include "trunnion/machine/kinematics.hpp"
 #include "trunnion/program/program.hpp"
 
@@ -31,6 +32,7 @@ struct Block {
     double length_mm = 0;  ///< dp: √(|Δtip|² + (ρ Δω)²), conventions.md
     Feed feed;
     std::int32_t line = 0;
+    std::int32_t arc = program::no_arc;  ///< index in Run::arcs; no_arc: straight
 };
 
 /// Why motion stands still at the end of a run or stretch.
@@ -47,13 +49,14 @@ struct RunEvent {
 /// Consecutive moves without a standstill between: what smoothing may round as one. Rapids are runs of one block.
 /// vertices.size() = blocks.size() + 1; every block is longer than 0.
 struct Run {
-    Space space = Space::workpiece;
+    Space space = Space::workpiece;  ///< workpiece or machine
     OrientationLaw law = OrientationLaw::vector;
     bool rapid = false;
     std::size_t first_move = 0;                       ///< index in Program::moves of the move of blocks[0]
     const machine::Kinematics* kinematics = nullptr;  ///< not owned
     std::vector<PathCoordinates> vertices;
     std::vector<Block> blocks;
+    std::vector<program::Arc> arcs;  ///< in the frame of the vertices' positions
     std::vector<RunEvent> events;
     StopCause stop = StopCause::end;  ///< what the standstill at its end is for
     double controlled_height_mm = 0;  ///< of the tool in use: the controlled point lies so far up the axis from the tip
@@ -63,7 +66,11 @@ struct Run {
 /// at least 0.1), rad.
 double turn_rad(const Run& run, const PathCoordinates& from, const PathCoordinates& to);
 
-/// dp of a straight block between two places, mm.
-double block_length_mm(const Run& run, const PathCoordinates& from, const PathCoordinates& to);
+/// dp of a block between two places, mm: straight, or along an arc in the frame of the positions.
+double block_length_mm(const Run& run, const PathCoordinates& from, const PathCoordinates& to,
+                       const program::Arc* arc = nullptr);
+
+/// The curve of an arc between two positions.
+geometry::Helix helix_between(const program::Arc& arc, const PathCoordinates& from, const PathCoordinates& to);
 
 }  // namespace trunnion::path

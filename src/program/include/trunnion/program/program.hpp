@@ -12,8 +12,13 @@
 
 namespace trunnion::program {
 
-/// What the coordinates of a move are: the tip in the workpiece (TCP on) or the linear machine axes (TCP off).
-enum class Space : std::uint8_t { workpiece, machine };
+/// What the coordinates of a move are.
+enum class Space : std::uint8_t {
+    workpiece,     ///< the tip in the work offset's frame (TCP on)
+    machine,       ///< positions of the linear machine axes, without offset or tool length (G53, SUPA)
+    untransformed  ///< linear machine axes as a control counts them with TCP off: from the work offset and with the
+                   ///< tool's length, so that with all rotary axes at 0 they are the tip in the work offset's frame
+};
 
 /// How the tool turns along a move. vector: in one plane, in proportion to the tip's way. rotary: the rotary words are
 /// linear in the move's parameter.
@@ -38,19 +43,34 @@ struct Feed {
 /// At most so many rotary letters in one program.
 inline constexpr int max_rotary_letters = 3;
 
+/// A circle or helix: the position turns about the line through `centre_mm` along `normal` by `angle_rad` (right-hand
+/// sense where positive; more than 2π for several turns), goes along the line in proportion to the angle, and its
+/// distance from the line changes in proportion too, where start and end differ. In the frame of the move's position.
+struct Arc {
+    Eigen::Vector3d centre_mm = Eigen::Vector3d::Zero();  ///< any point of the line
+    Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();    ///< unit
+    double angle_rad = 0;
+};
+
+inline constexpr std::int32_t no_arc = -1;
+
 /// One move, modal words resolved: where it ends and how it gets there from the end of the move before.
 struct Move {
-    Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();  ///< its end, in its space
+    /// Its end, in its space. NaN: this coordinate, as it counts in the move's space, offset and tool, ends where it
+    /// began; for readers that do not know it, as after a change of space, offset or tool. Never in moves[0].
+    Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
     Eigen::Vector3d axis =
         Eigen::Vector3d::UnitZ();  ///< law vector: unit tool axis in the workpiece at its end, tip → spindle
-    std::array<double, max_rotary_letters>
-        rotary_rad{};  ///< law rotary: literal words at its end, order of Program::rotary_letters
+    std::array<double, max_rotary_letters> rotary_rad{};  ///< law rotary: literal words at its end, order of
+                                                          ///< Program::rotary_letters; NaN: the axis stays where it
+                                                          ///< stands (no word since a move of law vector)
+    std::int32_t arc = no_arc;                            ///< index in Program::arcs; no_arc: straight
     Feed feed;
     MoveKind kind = MoveKind::feed;
     Space space = Space::workpiece;
     OrientationLaw law = OrientationLaw::vector;
     bool exact_stop = false;   ///< the program asks for standstill at its end
-    std::uint16_t tool = 0;    ///< index in Program::tools
+    std::uint16_t tool = 0;    ///< index in Program::tools: whose length counts
     std::uint16_t offset = 0;  ///< index in Program::offsets
     std::int32_t line = 0;     ///< in the source, from 1
 };
@@ -67,17 +87,26 @@ struct Event {
     std::int32_t line = 0;
 };
 
+/// Where the rotary axes stand at the end of a move: chosen by path building where the program leaves it open.
+struct RotaryStand {
+    std::array<double, 2> rotary_rad{};  ///< order of the machine's rotary axes, control's count
+    /// A rapid of law vector on which the axes go to another branch or winding: it turns as under law rotary, from the
+    /// stand before to this one.
+    bool rebranched = false;
+};
+
 /// A part program, all that matters for motion. moves[0] is where motion starts: the first fully determined pose, not a
 /// motion itself. Later moves go from the end of the one before.
 struct Program {
     std::string name;                               ///< as the program says, or the file's stem
     std::string source;                             ///< the file
-    std::string dialect;                            ///< "apt", "rs274"
+    std::string dialect;                            ///< "apt", "rs274", "sinumerik"
     std::vector<char> rotary_letters;               ///< of law rotary, order of Move::rotary_rad
     std::vector<std::string> tools{std::string{}};  ///< [0] = the program names none
     std::vector<std::string> offsets{
         std::string{}};  ///< [0] = the setup's workpiece itself (G54 too unless the setup has it)
     std::vector<Move> moves;
+    std::vector<Arc> arcs;
     std::vector<Event> events;
     std::vector<Diagnostic> diagnostics;  ///< warnings, each once with its count
 };

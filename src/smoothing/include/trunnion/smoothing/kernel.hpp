@@ -11,7 +11,8 @@ namespace trunnion::smoothing {
 
 /// For the smooth part: moments 1 to 3 of k vanish, so a curve is displaced only by O(w⁴). Not positive.
 struct CurveKernel {
-    static constexpr double peak = 35.0 / 512;  ///< g(0)
+    static constexpr double peak = 35.0 / 512;         ///< g(0)
+    static constexpr double fourth_moment = 1.0 / 33;  ///< −∫ t⁴ k
     static double bump(double t) {
         const double s = t * t;
         return (35 + s * (420 + s * (-350 + s * (196 - 45 * s)))) / 512 - (t < 0 ? -t : t) / 2;

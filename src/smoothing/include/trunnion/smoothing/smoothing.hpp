@@ -30,9 +30,10 @@ struct SmoothingOptions {
 ///
 ///     c(p) = P(p) + Σᵢ Δᵢ·wᵢ·g((p − pᵢ)/wᵢ),   Δᵢ = P′(pᵢ+) − P′(pᵢ−),
 ///
-/// with g of kernel.hpp. The sum is the deviation at equal p, and c is C³ whatever the widths wᵢ are. Widths come from
-/// the data by sums and minima alone, so that neighbouring passes are smoothed alike. The shipped pieces are septic
-/// Hermite interpolants of c.
+/// with g of kernel.hpp. Arcs enter P as chords within a fortieth of the tip tolerance; the curve kernel keeps circles,
+/// so that away from its ends an arc comes out as itself, a chord's error at most inside. The sum is the deviation at
+/// equal p, and c is C³ whatever the widths wᵢ are. Widths come from the data by sums and minima alone, so that
+/// neighbouring passes are smoothed alike. The shipped pieces are septic Hermite interpolants of c.
 ///
 /// Guarantees, for Rounding::smooth:
 /// - both tolerances hold along the whole stretch, at equal p, by ToolPath::bound: Bernstein hulls of the shipped
@@ -46,7 +47,8 @@ struct SmoothingOptions {
 /// - ToolPath::transition_use is deviation / tolerance at each vertex between two blocks, the larger of both.
 ///
 /// For Rounding::none, rapids, and runs of one block: positions are exact, orientations too (law vector: to 1e-10 rad),
-/// with an exact stop (StopCause::corner) at every vertex where the tangent of position or orientation changes at all.
+/// with an exact stop (StopCause::corner) at every vertex where the tangent of position or orientation changes at all,
+/// and at both ends of an arc, where curvature does. Arcs are exact to 3e-11 of their radius.
 ///
 /// Space machine: coordinates are the machine axes. The tip's deviation in the workpiece is bounded by that of the
 /// linear axes plus that of the rotary axes times the tip's largest distance from a rotary axis.
