@@ -1,6 +1,7 @@
 #include "trunnion/machine/kinematics.hpp"
 
 #include <cmath>
+#include <string_view>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -15,8 +16,8 @@ using detail::Vector;
 
 namespace {
 
-constexpr double orthogonal_to = 1e-9;  ///< rad: directions as close to a right angle count as orthogonal
-constexpr double least_volume = 1e-3;   ///< of the linear directions: below it they do not span space
+constexpr double least_tilt_rad = 1e-3;  ///< between directions: below it an axis does not tilt the other, or the tool
+constexpr double least_volume = 1e-3;    ///< of the linear directions: below it they do not span space
 const Eigen::Vector3d tool_at_zero = Eigen::Vector3d::UnitZ();
 
 std::unexpected<Diagnostic> refuse(const Machine& machine, std::string code, std::string text, std::string hint) {
@@ -28,11 +29,12 @@ double sign_of(const Axis& axis) {
     return axis.reversed ? -1.0 : 1.0;
 }
 
-bool orthogonal(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return std::abs(a.dot(b)) <= orthogonal_to;
-}
-bool parallel(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return a.cross(b).norm() <= orthogonal_to;
+/// Why two rotary axes, from the workpiece to the tool, cannot set the tool's direction; empty if they can.
+std::string_view idleness(const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+    if (first.cross(second).norm() < least_tilt_rad) return "the two rotary axes are parallel to each other";
+    if (second.cross(tool_at_zero).norm() < least_tilt_rad)
+        return "the rotary axis next to the tool is parallel to the tool and does not tilt it";
+    return {};
 }
 
 }  // namespace
@@ -78,12 +80,10 @@ Result<Kinematics> Kinematics::make(const Machine& machine, const Frame& workpie
         if (out.groups_[k].used) out.only_group_ = -1;
     out.only_inverse_ = all.inverse();
     if (turns > 0) out.nearest_ = static_cast<int>(out.turns_[0].index);
-    const Eigen::Vector3d &first = out.turns_[0].direction, &second = out.turns_[1].direction;
-    const bool nutating = turns == 2 ? !orthogonal(first, second) || !orthogonal(second, tool_at_zero)
-                                     : turns == 1 && !orthogonal(first, tool_at_zero) && !parallel(first, tool_at_zero);
-    if (nutating)
-        return refuse(machine, "MACH0103", "the rotary axes are not at right angles to each other and to the tool",
-                      "heads and tables with inclined axes are not supported yet");
+    const auto idle = turns == 2 ? idleness(out.turns_[0].direction, out.turns_[1].direction) : std::string_view{};
+    if (!idle.empty())
+        return refuse(machine, "MACH0103", std::string(idle),
+                      "give the chain from workpiece to tool, and an inclined axis its direction with all axes at 0");
     out.prepare_orientation();
     return out;
 }

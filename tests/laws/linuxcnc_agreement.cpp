@@ -1,6 +1,8 @@
 // Our kinematics against positions that LinuxCNC's own modules gave.
 
+#include <cmath>
 #include <filesystem>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -92,18 +94,72 @@ TEST(LinuxcncAgreement, HeadThatSwivelsAndTurns) {
     }
 }
 
-TEST(LinuxcncAgreement, ShippedFile) {
-    const auto machine =
-        files::read_machine_file(std::filesystem::path(TRUNNION_SOURCE_DIR) / "data/machines/xyzac-trt.toml");
-    ASSERT_TRUE(machine) << to_string(machine.error());
+TEST(LinuxcncAgreement, TableOfAOnB) {
+    for (const auto& v : linuxcnc::xyzab_tdr) {
+        const Vector3d centre = point(v.rot_point_mm), chuck = centre + Vector3d(0, 0, v.z_offset_mm);
+        const Machine machine = five_axes(rotary('A', Vector3d::UnitX(), chuck, false),
+                                          rotary('B', Vector3d::UnitY(), centre, false), {3, 4, 0, 1, 2});
+        expect_both_ways(Kinematics::make(machine, world_of(v.tool_offset_mm), v.tool_offset_mm).value(),
+                         position_of(v.joints), v.world_mm);
+    }
+}
+
+TEST(LinuxcncAgreement, NutatingHead) {
+    for (const auto& v : linuxcnc::xyzacb_trsrn) {
+        const double nutation = v.nut_deg * degree;
+        const Vector3d swivel(0, v.pivot_mm[0], v.pivot_mm[1]);
+        const Machine machine =
+            five_axes(rotary('B', {0, std::sin(nutation), std::cos(nutation)}, swivel, false),
+                      rotary('C', Vector3d::UnitZ(), swivel + Vector3d(v.offset_mm[0], v.offset_mm[1], 0), false),
+                      {0, 1, 2, 4, 3});
+        expect_both_ways(Kinematics::make(machine, world_of(v.tool_offset_mm), v.tool_offset_mm).value(),
+                         position_of(v.joints), v.world_mm);
+    }
+}
+
+Machine shipped(const char* name) {
+    const auto machine = files::read_machine_file(std::filesystem::path(TRUNNION_SOURCE_DIR) / "data/machines" /
+                                                  (std::string(name) + ".toml"));
+    EXPECT_TRUE(machine) << to_string(machine.error());
+    return machine.value();
+}
+
+/// Our file against those of the module's positions that were made with its offsets.
+void expect_file_agrees(const char* name, const auto& vectors, int wanted, const auto& with_offsets_of_file) {
+    const Machine machine = shipped(name);
     int met = 0;
-    for (const auto& v : linuxcnc::xyzac_trt) {
-        if (v.rot_point_mm != std::array<double, 3>{} || v.side_offset_mm != 20 || v.z_offset_mm != 10) continue;
-        expect_both_ways(Kinematics::make(*machine, world_of(v.tool_offset_mm), v.tool_offset_mm).value(),
+    for (const auto& v : vectors) {
+        if (!with_offsets_of_file(v)) continue;
+        expect_both_ways(Kinematics::make(machine, world_of(v.tool_offset_mm), v.tool_offset_mm).value(),
                          position_of(v.joints), v.world_mm);
         ++met;
     }
-    EXPECT_EQ(met, 12);
+    EXPECT_EQ(met, wanted) << name;
+}
+
+TEST(LinuxcncAgreement, ShippedFiles) {
+    const auto trunnion = [](double side_mm, double z_mm) {
+        return [side_mm, z_mm](const linuxcnc::TrunnionVector& v) {
+            return v.rot_point_mm == std::array<double, 3>{} && v.side_offset_mm == side_mm && v.z_offset_mm == z_mm;
+        };
+    };
+    expect_file_agrees("xyzac-trt", linuxcnc::xyzac_trt, 12, trunnion(20, 10));
+    expect_file_agrees("xyzab-tdr", linuxcnc::xyzab_tdr, 6, trunnion(0, -10));
+    expect_file_agrees("xyzacb-trsrn", linuxcnc::xyzacb_trsrn, 6, [](const linuxcnc::NutatingVector& v) {
+        return v.pivot_mm == std::array<double, 2>{30, 120} && v.offset_mm == std::array<double, 2>{};
+    });
+}
+
+/// With other offsets than the module's positions were made with: geometry and counting are those of the test above.
+TEST(LinuxcncAgreement, ShippedTrunnionWithB) {
+    const Machine file = shipped("xyzbc-trt");
+    const Machine same = five_axes(rotary('B', Vector3d::UnitY(), {-20, 0, -15}, true),
+                                   rotary('C', Vector3d::UnitZ(), {0, 0, 0}, true), {4, 3, 0, 1, 2});
+    const auto ours = Kinematics::make(file, world_of(30), 30).value(),
+               module = Kinematics::make(same, world_of(30), 30).value();
+    const AxisPosition q{{12, -34, 56, 0.7, -2.1}};
+    EXPECT_LT((ours.forward(q).tip_in_workpiece_mm - module.forward(q).tip_in_workpiece_mm).norm(), 1e-12);
+    EXPECT_LT((ours.forward(q).axis_in_workpiece - module.forward(q).axis_in_workpiece).norm(), 1e-15);
 }
 
 /// What a longer tool changes in LinuxCNC's world tells its tool axis; it is ours.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
+#include <iostream>
 
 /// Small portable generator (splitmix64): the same numbers everywhere for the same seed.
 class RandomNumbers {
@@ -19,3 +21,14 @@ class RandomNumbers {
   private:
     std::uint64_t state_;
 };
+
+/// Of TRUNNION_SEED, or the usual one; said once a run.
+inline std::uint64_t random_seed() {
+    static const std::uint64_t value = [] {
+        const char* given = std::getenv("TRUNNION_SEED");
+        const std::uint64_t out = given ? std::strtoull(given, nullptr, 10) : 20240611u;
+        std::cout << "seed " << out << " (set TRUNNION_SEED to replay another)\n";
+        return out;
+    }();
+    return value;
+}
