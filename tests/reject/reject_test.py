@@ -1,17 +1,27 @@
 """Runs the program on an input that must be refused: exit status 2, the expected code on stderr, no output file, nothing on stdout.
 
-    reject_test.py TRUNNION FOLDER CODE PROGRAM [option…]      `OUT` in an option stands for a fresh output file"""
+    reject_test.py TRUNNION FOLDER CODE WORD…      the words of `trunnion plan`, or of another command that they begin with"""
 import pathlib
 import subprocess
 import sys
 import tempfile
 
 
+def command_line(words, out):
+    """With every output that the command can write, into the folder `out`."""
+    if words[0] == 'machine':
+        return words
+    if words[0] == 'check':
+        return [*words, '--summary', f'{out}/s.json']
+    return ['plan', *words, '-o', f'{out}/q.csv', '--summary', f'{out}/s.json', '--path', f'{out}/path.csv', '--programmed',
+            f'{out}/p.csv', '--events', f'{out}/e.csv']
+
+
 def main():
     trunnion, folder, code = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3]
     with tempfile.TemporaryDirectory() as out:
-        arguments = [trunnion, 'plan', sys.argv[4], *sys.argv[5:], '-o', f'{out}/q.csv', '--summary', f'{out}/s.json']
-        done = subprocess.run(arguments, capture_output=True, text=True, cwd=folder, timeout=60)
+        done = subprocess.run([trunnion, *command_line(sys.argv[4:], out)], capture_output=True, text=True, cwd=folder,
+                              timeout=60)
         left = [f.name for f in pathlib.Path(out).iterdir()]
     wrong = []
     if done.returncode != 2:

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <cmath>
+
+#include "trunnion/nc/read.hpp"
+
+#include "entries.hpp"
+
+namespace trunnion::fuzz {
+
+namespace {
+
+/// C on A with one control's words; readers look at letters and words alone.
+machine::Machine reading_machine() {
+    machine::Machine machine;
+    for (const char letter : std::string_view("XYZAC")) {
+        machine::Axis& axis = machine.axes[static_cast<std::size_t>(machine.axis_count++)];
+        axis.letter = letter;
+        axis.rotary = machine.axis_count > 3;
+    }
+    machine.rotary_count = 2;
+    machine.words = {.tcp_on = {"M428"}, .tcp_off = {"M429"}, .ignore = {"M64"}, .following = {"E"}};
+    return machine;
+}
+
+void expect_sound(const program::Move& move, const program::Program& program) {
+    expect(move.position_mm.allFinite(), "positions are finite");
+    expect(std::abs(move.axis.norm() - 1) < 1e-9, "tool axes are unit vectors");
+    for (const double word : move.rotary_rad) expect(!std::isinf(word), "rotary words are finite or absent");
+    expect(std::isfinite(move.feed.value) && move.feed.value >= 0, "feeds are finite and not negative");
+    expect(move.tool < program.tools.size() && move.offset < program.offsets.size(), "tools and offsets are known");
+    expect(move.arc == program::no_arc || (move.arc >= 0 && std::size_t(move.arc) < program.arcs.size()),
+           "arcs are known");
+}
+
+void expect_sound(const program::Program& program) {
+    expect(program.moves.size() >= 2, "a program that is read moves something");
+    for (const program::Move& move : program.moves) expect_sound(move, program);
+    for (const program::Arc& arc : program.arcs) {
+        expect(arc.centre_mm.allFinite() && std::isfinite(arc.angle_rad), "arcs are finite");
+        expect(std::abs(arc.normal.norm() - 1) < 1e-9, "normals of arcs are unit vectors");
+    }
+    expect(std::ranges::is_sorted(program.events, {}, &program::Event::before_move), "events are in order");
+    for (const program::Event& event : program.events) {
+        expect(event.before_move <= program.moves.size(), "events fall among the moves");
+        expect(std::isfinite(event.dwell_s) && event.dwell_s >= 0, "dwells are finite and not negative");
+    }
+}
+
+}  // namespace
+
+void take_program(std::string_view dialect, std::string_view bytes) {
+    static const machine::Machine machine = reading_machine();
+    nc::ReadOptions options;
+    options.dialect = nc::dialect_named(dialect);
+    if (!options.dialect) return;  // a dialect that is still to come
+    options.machine = &machine;
+    options.feed_given_elsewhere = bytes.size() % 2 == 0;  // both kinds of reading, and any file is a seed
+    if (const auto recognised = nc::recognise(bytes); !recognised) expect_sound(recognised.error(), bytes);
+    const auto program = nc::read_program(bytes, "fuzz", options);
+    if (!program) return expect_sound(program.error(), bytes);
+    expect_sound(*program);
+    for (const Diagnostic& told : program->diagnostics) expect_sound(told, bytes);
+}
+
+}  // namespace trunnion::fuzz
