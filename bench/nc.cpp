@@ -1,8 +1,10 @@
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include "trunnion/nc/read.hpp"
 
@@ -22,9 +24,7 @@ machine::Machine xyzac() {
     return machine;
 }
 
-void reading(benchmark::State& state, const char* name) {
-    std::ifstream in(std::string(TRUNNION_SHARED_DIR) + "/data/" + name, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
+void reading(benchmark::State& state, const std::string& text, const char* name) {
     const machine::Machine machine = xyzac();
     nc::ReadOptions options;
     options.machine = &machine;
@@ -42,8 +42,30 @@ void reading(benchmark::State& state, const char* name) {
     state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * text.size()));
 }
 
-BENCHMARK_CAPTURE(reading, sine_10k, "cases/sine-10k.ngc");
-BENCHMARK_CAPTURE(reading, impeller, "nc/linuxcnc/impeller-7bl-xyzac.ngc");
-BENCHMARK_CAPTURE(reading, finition_creo, "nc/apt/finition_creo.ncl");
+void reading_file(benchmark::State& state, const char* name) {
+    std::ifstream in(std::string(TRUNNION_SHARED_DIR) + "/data/" + name, std::ios::binary);
+    reading(state, {std::istreambuf_iterator<char>(in), {}}, name);
+}
+
+/// A Sinumerik program of plain blocks on a spiral, with rotary words or with tool vectors.
+void reading_sinumerik(benchmark::State& state, bool vectors) {
+    constexpr int blocks = 100'000;
+    std::string text = "%_N_SPIRAL_MPF\nTRAORI\nG54 G64 G90 G71 F3000\n";
+    for (int i = 0; i < blocks; ++i) {
+        const double t = 1e-3 * i;
+        text += fmt::format("N{} G1 X{:.4f} Y{:.4f} Z{:.4f} ", 10 * i, t * std::cos(t), t * std::sin(t), -0.1 * t);
+        const double a = 0.2 * std::sin(0.1 * t);
+        text += vectors ? fmt::format("A3={:.6f} B3=0 C3={:.6f}\n", std::sin(a), std::cos(a))
+                        : fmt::format("A{:.4f} C{:.4f}\n", 57.3 * a, 10 * t);
+    }
+    text += "M30\n";
+    reading(state, text, "spiral.mpf");
+}
+
+BENCHMARK_CAPTURE(reading_sinumerik, rotary_words, false);
+BENCHMARK_CAPTURE(reading_sinumerik, vectors, true);
+BENCHMARK_CAPTURE(reading_file, sine_10k, "cases/sine-10k.ngc");
+BENCHMARK_CAPTURE(reading_file, impeller, "nc/linuxcnc/impeller-7bl-xyzac.ngc");
+BENCHMARK_CAPTURE(reading_file, finition_creo, "nc/apt/finition_creo.ncl");
 
 }  // namespace

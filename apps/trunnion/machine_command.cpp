@@ -18,7 +18,7 @@ namespace {
 
 int list_machines() {
     for (const auto& shipped : files::shipped_machines(machine_folders()))
-        fmt::print("{:<16}{}\n", shipped.name, shipped.title);
+        fmt::print("{:<23} {}\n", shipped.name, shipped.title);
     return done;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/plan_files.hpp"
 #include "trunnion/verify/programmed_csv.hpp"
 
@@ -30,7 +31,9 @@ bool show_progress(double share, bool visible) {
 
 Result<void> write_programmed(const PlanCommand& command, const Job& job) {
     if (command.programmed.empty()) return {};
-    auto poses = verify::programmed_poses(job.program, job.machine, job.setup);
+    const auto stands = path::choose_rotary_stands(job.program, job.machine, job.setup);
+    if (!stands) return fail(stands.error());
+    auto poses = verify::programmed_poses(job.program, job.machine, job.setup, *stands);
     if (!poses) return fail(poses.error());
     return pipeline::write_text_file(command.programmed, verify::programmed_csv(*poses, job.machine));
 }
@@ -68,7 +71,8 @@ int plan_and_report(const PlanCommand& command) {
 void add_plan_command(CLI::App& app, int& status) {
     auto command = std::make_shared<PlanCommand>();
     CLI::App* plan = app.add_subcommand("plan", "part program → jerk-limited axis setpoints and a summary");
-    plan->add_option("program", command->job.program, "part program: APT CL data or RS-274 (LinuxCNC)")->required();
+    plan->add_option("program", command->job.program, "part program: APT CL data, RS-274 (LinuxCNC) or Sinumerik")
+        ->required();
     plan->add_option("-o,--output", command->setpoints, "setpoints: .csv, .csv.gz or .npy");
     plan->add_option("--summary", command->summary, "summary as JSON");
     plan->add_option("--path", command->path, "path samples as CSV");

@@ -16,12 +16,13 @@ using path::PathPlace;
 
 constexpr double turn_tolerance =
     0.004;  // how far q′ may bend from its chord within an interval, of the leading axis' q′
+constexpr double arc_turn_tolerance = 0.05;  // the same of a rest arc, whose samples must see the bend
 constexpr double largest_mm = 5;
 constexpr double growth = 0.4;        // of the size per mm: neighbours differ by up to e^0.4
 constexpr double rest_growth = 0.14;  // ln 1.15
 // An arc must be short beside the way to the next corner: the speed turns down again long before it.
 constexpr double arc_share_of_path = 0.01, arc_share_of_segment = 0.04;
-constexpr int shortest_arc_steps = 80;
+constexpr int shortest_arc_steps = 80, most_straightening_steps = 20;
 constexpr double intervals_of_transition = 8;
 constexpr int least_halvings = 1, deepest_halving = 36;
 constexpr double rounding_down = 0.3;  // a stretch of 1.3 sizes is still one interval
@@ -81,7 +82,7 @@ class Gridder {
     void add_nodes(std::size_t segment);
     void refine(const Segment& s, double begin, double end, const PathSample& at_begin, const PathSample& at_end,
                 int depth);
-    bool bends(const PathSample& a, const PathSample& m, const PathSample& b, double length) const;
+    bool bends(const PathSample& a, const PathSample& m, const PathSample& b, double length, double tolerance) const;
     double transition_size(const PathSample& before, const PathSample& after) const;
     double speed_cap(const PathSample& s) const;
     void limit_growth();
@@ -142,12 +143,18 @@ double Gridder::arc_length(const Segment& within, RestSide side) const {
     const auto at = [&](double u) {
         return sample(within.piece, start ? within.begin_mm + u : within.end_mm - u, within.block);
     };
-    const double alpha = rest_alpha(at(0), limits_);
+    const PathSample rest = at(0);
+    const double alpha = rest_alpha(rest, limits_);
     double length =
         std::min(arc_share_of_path * path_.length_mm(), arc_share_of_segment * (within.end_mm - within.begin_mm));
     for (int k = 0; k < shortest_arc_steps && !is_jerk_phase(at(length), length, side, limits_, alpha); ++k)
         length *= 0.7;
-    return length;
+    const auto turns = [&](double arc) {
+        return bends(rest, at(arc / 2), at(arc), start ? arc : -arc, arc_turn_tolerance);
+    };
+    double straighter = length;
+    for (int k = 0; k < most_straightening_steps && turns(straighter); ++k) straighter *= 0.7;
+    return turns(straighter) ? length : straighter;  // at the pole itself no arc is short enough
 }
 
 void Gridder::take_arcs() {
@@ -194,7 +201,8 @@ void Gridder::add_nodes(std::size_t index) {
 }
 
 /// Whether an axis that matters turns so much that one cubic x(p) could not follow.
-bool Gridder::bends(const PathSample& a, const PathSample& m, const PathSample& b, double length) const {
+bool Gridder::bends(const PathSample& a, const PathSample& m, const PathSample& b, double length,
+                    double tolerance) const {
     double bend_j = 0, lead_j = 0, bend_v = 0, lead_v = 0;
     for (int i = 0; i < limits_.count; ++i) {
         const double per_jerk = 1 / limits_.axes[i].jerk, per_velocity = 1 / limits_.axes[i].velocity;
@@ -207,14 +215,15 @@ bool Gridder::bends(const PathSample& a, const PathSample& m, const PathSample& 
         bend_v = std::max(bend_v, bend * per_velocity);
         lead_v = std::max(lead_v, lead * per_velocity);
     }
-    return bend_j > turn_tolerance * lead_j || bend_v > turn_tolerance * lead_v;
+    return bend_j > tolerance * lead_j || bend_v > tolerance * lead_v;
 }
 
 void Gridder::refine(const Segment& s, double begin, double end, const PathSample& at_begin, const PathSample& at_end,
                      int depth) {
     const double middle = (begin + end) / 2;
     const PathSample at_middle = sample(s.piece, middle, s.block);
-    if (depth < deepest_halving && (depth < least_halvings || bends(at_begin, at_middle, at_end, end - begin))) {
+    if (depth < deepest_halving &&
+        (depth < least_halvings || bends(at_begin, at_middle, at_end, end - begin, turn_tolerance))) {
         refine(s, begin, middle, at_begin, at_middle, depth + 1);
         return refine(s, middle, end, at_middle, at_end, depth + 1);
     }

@@ -25,7 +25,9 @@ Result<OutputFile> OutputFile::create(const std::filesystem::path& path) {
     OutputFile out;
     out.path_ = path;
     out.temporary_ = path;
-    out.temporary_ += fmt::format(".{}.part", ::getpid());
+    std::error_code unknown;
+    out.in_place_ = std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown);
+    if (!out.in_place_) out.temporary_ += fmt::format(".{}.part", ::getpid());
     errno = 0;
     if (path.extension() == ".gz")
         out.compressed_ = gzopen(out.temporary_.c_str(), "wb4");
@@ -46,6 +48,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
     temporary_ = std::move(other.temporary_);
     plain_ = std::exchange(other.plain_, nullptr);
     compressed_ = std::exchange(other.compressed_, nullptr);
+    in_place_ = other.in_place_;
     failed_ = other.failed_;
     return *this;
 }
@@ -58,8 +61,12 @@ void OutputFile::discard() noexcept {
     if (!plain_ && !compressed_) return;
     if (plain_) std::fclose(std::exchange(plain_, nullptr));
     if (compressed_) gzclose(std::exchange(compressed_, nullptr));
+    remove_temporary();
+}
+
+void OutputFile::remove_temporary() noexcept {
     std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
+    if (!in_place_) std::filesystem::remove(temporary_, ignored);
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -79,11 +86,11 @@ Result<void> OutputFile::commit() {
     if (plain_) closed = std::fclose(std::exchange(plain_, nullptr)) == 0;
     if (compressed_) closed = gzclose(std::exchange(compressed_, nullptr)) == Z_OK;
     std::error_code error;
-    if (closed && !failed_) std::filesystem::rename(temporary_, path_, error);
+    if (closed && !failed_ && !in_place_) std::filesystem::rename(temporary_, path_, error);
     if (!closed || failed_ || error) {
         if (error) errno = error.value();
         const auto trouble = file_trouble("FILE0202", "the file cannot be written", path_);
-        std::filesystem::remove(temporary_, error);
+        remove_temporary();
         return fail(trouble);
     }
     return {};

@@ -79,6 +79,17 @@ Tool read_tool(TomlReading& reading, const toml::node& node, const std::string& 
     return out;
 }
 
+/// Keys that no program can call would never be found: numbers with leading zeros (T08 calls 8), edge 1 (it is the tool
+/// itself) and D0 (no tool: length 0).
+void check_tool_name(TomlReading& reading, std::string_view name, const toml::node& where) {
+    const bool number = name.find_first_not_of("0123456789") == name.npos;
+    if (!name.empty() && name.front() != ' ' && name.back() != ' ' && !(number && name.size() > 1 && name[0] == '0') &&
+        !name.ends_with(" D0") && !name.ends_with(" D1"))
+        return;
+    reading.refuse("FILE0115", fmt::format("no program calls a tool '{}'", name), where,
+                   "write [tools.8] or [tools.NAME], further cutting edges as [tools.\"8 D2\"]");
+}
+
 /// mm or rad: a letter that may be either kind of axis takes what its unit says.
 double read_coordinate(TomlReading& reading, char letter, const toml::node& node, const std::string& what) {
     const bool surely_rotary = std::string_view("ABC").find(letter) != std::string_view::npos;
@@ -108,8 +119,10 @@ void read_root(TomlReading& reading, const toml::table& root, Setup& setup) {
     if (const auto* node = root.get("workpiece")) setup.workpiece = read_frame(reading, *node, "workpiece");
     if (const auto* node = root.get("tool")) setup.tool = read_tool(reading, *node, "tool");
     if (const auto* node = root.get("tools"))
-        for (const auto& [key, tool] : reading.table(*node, "tools"))
+        for (const auto& [key, tool] : reading.table(*node, "tools")) {
+            check_tool_name(reading, key.str(), tool);
             setup.tools[std::string(key.str())] = read_tool(reading, tool, fmt::format("tool {}", key.str()));
+        }
     if (const auto* node = root.get("offsets"))
         for (const auto& [key, frame] : reading.table(*node, "offsets"))
             setup.offsets[std::string(key.str())] = read_frame(reading, frame, fmt::format("offset {}", key.str()));

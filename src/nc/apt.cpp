@@ -62,9 +62,11 @@ constexpr Rule rules[] = {
     // Off is the state in which everything here is read; on would change the motion.
     {"CYCLE", &AptReader::only_off},
     {"CUTCOM", &AptReader::only_off},
-    {"CIRCLE", &AptReader::refuse_curve},
-    {"MOVARC", &AptReader::refuse_curve},
-    {"INDIRV", &AptReader::refuse_curve},
+    {"CIRCLE", &AptReader::circle},
+    {"MOVARC", &AptReader::arc_ahead},
+    {"AUTOPS", &AptReader::remark},  // arcs lie in a plane through the tool anyway
+    {"INDIRV", &AptReader::initial_direction},
+    {"TLON,GOFWD", &AptReader::go_forward},
     {"GOFWD", &AptReader::refuse_curve},
     {"NURBS", &AptReader::refuse_curve},
     {"KNOT", &AptReader::refuse_curve},
@@ -116,11 +118,16 @@ bool AptReader::statement() {
     if (scanner_.major().empty()) return bare_pose();
     words_seen_ = true;
     const Rule* const rule = rule_for(scanner_.major());
+    if (circle_ && circle_->points > 0 && rule != rule_for("GOTO")) circle_.reset();
     if (!rule) return refuse("NC0204", "unknown statement: it might change motion", "CL data is read, not APT source");
     return (this->*rule->read)();
 }
 
 Result<program::Program> AptReader::done() {
+    if (circle_ && circle_->points == 0) {
+        refuse("NC0415", "the program ends where a circle waits for the GOTO that ends it");
+        return fail(findings_.take_error());
+    }
     if (finished_ && !trimmed(scanner_.rest()).empty())
         findings_.count("NC0014", Severity::note, scanner_.spot(), "FINI",
                         "the text behind the end of the program is not read");
@@ -190,7 +197,7 @@ bool AptReader::only_off() {
 }
 
 bool AptReader::refuse_curve() {
-    return refuse("NC0405", "arcs and splines in CL data are not supported", "let the CAM system put out linear moves");
+    return refuse("NC0405", "this curve is not supported", "let the CAM system put out points and circles");
 }
 
 bool AptReader::refuse_motion() {

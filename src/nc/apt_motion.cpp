@@ -73,7 +73,9 @@ bool AptReader::add_pose(const Numbers& pose) {
         return refuse("NC0401", fmt::format("{} numbers, a pose has 3 or 6", pose.count),
                       "x, y, z or x, y, z, i, j, k");
     if (pose.count == 6 && !set_axis(pose.triple(3))) return false;
-    return add_move(pose.triple(0) * unit_mm_, std::exchange(rapid_next_, false));
+    const Vector3d position_mm = pose.triple(0) * unit_mm_;
+    if (circle_) return add_on_circle(position_mm);
+    return add_move(position_mm, std::exchange(rapid_next_, false));
 }
 
 bool AptReader::set_axis(const Vector3d& vector) {
@@ -89,7 +91,7 @@ bool AptReader::set_axis(const Vector3d& vector) {
     return true;
 }
 
-bool AptReader::add_move(const Vector3d& position_mm, bool is_rapid) {
+bool AptReader::add_move(const Vector3d& position_mm, bool is_rapid, const program::Arc* arc) {
     if (!position_mm.allFinite()) return refuse("NC0201", "the coordinates are not finite in mm");
     Move move;
     move.position_mm = position_mm;
@@ -98,13 +100,17 @@ bool AptReader::add_move(const Vector3d& position_mm, bool is_rapid) {
     move.line = scanner_.spot().line;
     if (!program_.moves.empty()) {
         const Move& last = program_.moves.back();
-        if (last.position_mm == position_mm && last.axis == axis_) return true;
+        if (!arc && last.position_mm == position_mm && last.axis == axis_) return true;
         if (last.axis.dot(axis_) < 0 && last.axis.cross(axis_).norm() < opposite_sine)
             return refuse("NC0403", "the tool axis turns to the opposite: in which plane is not defined",
                           "put a pose between that says the way");
         if (!is_rapid && !cutting_feed(move.feed)) return false;
     }
     if (is_rapid) move.kind = program::MoveKind::rapid;
+    if (arc) {
+        move.arc = static_cast<std::int32_t>(program_.arcs.size());
+        program_.arcs.push_back(*arc);
+    }
     program_.moves.push_back(move);
     return true;
 }

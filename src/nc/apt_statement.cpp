@@ -59,6 +59,7 @@ StatementScanner::Step StatementScanner::join(std::string_view first) {
     for (bool continued = true; continued;) {
         if (!lines_.next(line_)) {
             body_ = joined_;
+            split();
             return Step::truncated;
         }
         continued = append(line_);

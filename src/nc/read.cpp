@@ -40,11 +40,19 @@ std::optional<Diagnostic> unreadable(std::string_view text, std::string_view fil
 }  // namespace
 
 std::string_view name_of(Dialect dialect) noexcept {
-    return dialect == Dialect::apt ? "apt" : "rs274";
+    switch (dialect) {
+        case Dialect::apt:
+            return "apt";
+        case Dialect::rs274:
+            return "rs274";
+        case Dialect::sinumerik:
+            break;
+    }
+    return "sinumerik";
 }
 
 std::optional<Dialect> dialect_named(std::string_view name) noexcept {
-    for (const Dialect dialect : {Dialect::apt, Dialect::rs274})
+    for (const Dialect dialect : {Dialect::apt, Dialect::rs274, Dialect::sinumerik})
         if (name_of(dialect) == name) return dialect;
     return {};
 }
@@ -75,7 +83,15 @@ Result<program::Program> read_program(std::string_view text, std::string_view fi
         return fail(std::move(dialect.error()));
     }
     const Dialect chosen = options.dialect ? *options.dialect : *dialect;
-    return chosen == Dialect::apt ? read_apt(text, file_name, options) : read_rs274(text, file_name, options);
+    switch (chosen) {
+        case Dialect::apt:
+            return read_apt(text, file_name, options);
+        case Dialect::rs274:
+            return read_rs274(text, file_name, options);
+        case Dialect::sinumerik:
+            break;
+    }
+    return read_sinumerik(text, file_name, options);
 }
 
 Result<program::Program> read_program_file(const std::filesystem::path& file, const ReadOptions& options) {

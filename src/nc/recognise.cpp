@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <array>
 
 #include "trunnion/base/number.hpp"
 
 #include "detail/dialects.hpp"
+#include "detail/sinumerik_words.hpp"
 #include "detail/text.hpp"
 
 namespace trunnion::nc {
@@ -43,11 +45,79 @@ bool is_rs274_block(std::string_view line) {
     return !line.empty() && (starts_number(line.front()) || line.front() == '#' || line.front() == '[');
 }
 
+constexpr int lines_that_may_tell = 4000;  ///< a SINUMERIK program may look like any G-code for a while
+
+/// An identifier that only SINUMERIK programs have, in capitals.
+bool is_sinumerik_name(std::string_view name) {
+    constexpr std::string_view language[] = {"CASE",   "DEF",   "ENDFOR", "ENDLOOP", "ENDPROC", "EXTCALL",
+                                             "EXTERN", "GOTOB", "GOTOC",  "GOTOF",   "PROC",    "UNTIL"};
+    return name.size() > 2 && (sinumerik::is_word(name) || std::ranges::find(language, name) != std::end(language));
+}
+
+/// Addresses to which `=` is written: `X=R1`, `CR=5`, `A3=0.1`.
+bool takes_equals(std::string_view name) {
+    return name.size() == 1 || (is_letter(name[0]) && std::ranges::all_of(name.substr(1), is_digit)) || name == "CR" ||
+           name == "AR";
+}
+
+/// The letters, digits and underscores that a text starts with, in capitals; longer ones are cut.
+struct Name {
+    std::array<char, 16> capitals{};
+    std::size_t length = 0, letters = 0;
+
+    explicit Name(std::string_view text) {
+        while (length < text.size() && length < capitals.size() &&
+               (is_letter(text[length]) || text[length] == '_' || is_digit(text[length]))) {
+            capitals[length] = upper(text[length]);
+            if (letters == length && !is_digit(text[length])) ++letters;
+            ++length;
+        }
+    }
+    std::string_view whole() const { return {capitals.data(), length}; }
+    std::string_view without_digits() const { return {capitals.data(), letters}; }
+};
+
+/// Whether a line of G-code could only stand in a SINUMERIK program. Comments are passed over, and what follows a word
+/// that is not known; but a name and a colon are a label.
+bool is_sinumerik_line(std::string_view line) {
+    if (line.starts_with("%_N_") || line.starts_with(";$PATH")) return true;
+    while (!line.empty()) {
+        const char c = line.front();
+        if (c == ';') return false;
+        if (c == '(') {
+            line.remove_prefix(std::min(line.find(')'), line.size() - 1) + 1);
+            continue;
+        }
+        const Name name(line);
+        if (name.letters == 0) {
+            if (c == '#' || c == '<') return false;
+            line.remove_prefix(1);
+            continue;
+        }
+        const std::string_view behind = skip_blanks(line.substr(name.length));
+        if (is_sinumerik_name(name.whole()) || is_sinumerik_name(name.without_digits())) return true;
+        if (takes_equals(name.whole()) && behind.starts_with('=')) return true;
+        if (name.letters > 1) return behind == ":";
+        line.remove_prefix(1);
+        if (name.capitals.front() == 'G' && name.length == 4 && name.capitals[1] >= '5') return true;
+    }
+    return false;
+}
+
+/// Which of the two kinds of G-code it is, from a line on that could be either.
+Dialect which_g_code(std::string_view line, LineScanner lines) {
+    const int last = lines.number() + lines_that_may_tell;
+    do {
+        if (is_sinumerik_line(trimmed(line))) return Dialect::sinumerik;
+    } while (lines.number() < last && lines.next(line));
+    return Dialect::rs274;
+}
+
 Diagnostic not_recognised(int line) {
     Diagnostic diagnostic{.code = "NC0004", .text = "not recognised as a part program in a dialect that is read"};
     diagnostic.place.line = line;
     diagnostic.place.column = 1;
-    diagnostic.hint = "apt and rs274 are read; --dialect says which one it is";
+    diagnostic.hint = "apt, rs274 and sinumerik are read; --dialect says which one it is";
     return diagnostic;
 }
 
@@ -63,7 +133,7 @@ Result<Dialect> recognise(std::string_view text) {
         line = trimmed(line);
         if (line.empty()) continue;
         if (line.starts_with("$$") || is_apt_statement(line) || is_pose(line)) return Dialect::apt;
-        if (is_rs274_block(line)) return Dialect::rs274;
+        if (is_rs274_block(line) || is_sinumerik_line(line)) return which_g_code(line, lines);
         return fail(not_recognised(lines.number()));
     }
     return fail(empty_program());

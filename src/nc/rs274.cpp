@@ -64,8 +64,8 @@ bool Rs274Reader::sort_code(const Code& code) {
         case Meaning::unknown:
             return refuse("NC0204", spot, "unknown word: it might change motion", name_of(code),
                           "a word of this control that does not can be declared in the machine file: [words] ignore");
-        case Meaning::arc:
-            return refuse("NC0301", spot, "arcs and splines are not supported", name_of(code), "post linear moves");
+        case Meaning::spline:
+            return refuse("NC0301", spot, "splines are not supported", name_of(code), "post linear moves or arcs");
         case Meaning::changes_motion:
             return refuse("NC0302", spot, "changes motion and is not supported", name_of(code),
                           "post the path without it");
@@ -98,6 +98,11 @@ bool Rs274Reader::check_letter(char letter) {
     }
     if ((parameter_letters & Block::bit(letter)) == 0 && letter != 'N') return absent_axis(letter);
     const bool dwells = request_.asks(Group::once, Meaning::dwell);
+    if (moves_on_arc() && letter == 'P' && dwells)
+        return refuse("NC0313", block_.spot(letter), "the letter has two uses in this block", {&letter, 1},
+                      "give the dwell a block of its own");
+    if (moves_on_arc() && std::string_view("IJKPR").contains(letter)) return true;
+    if (letter == 'H' && request_.asks(Group::tool_length, Meaning::tool_length)) return true;
     const bool blends = request_.asks(Group::path_control, Meaning::continuous);
     if (request_.own_word || (letter == 'P' && dwells)) return true;
     if (blends && (letter == 'P' || letter == 'Q')) {
@@ -189,6 +194,11 @@ void Rs274Reader::units() {
 bool Rs274Reader::modes() {
     if (request_.tcp) modal_.tcp = *request_.tcp;
     if (request_.asks(Group::offset, Meaning::offset) && !offset()) return false;
+    if (!tool_length()) return false;
+    if (request_.asks(Group::plane, Meaning::plane))
+        modal_.plane_normal = 2 - (request_.code_of(Group::plane).tenths - 170) / 10;
+    if (const Meaning centre = request_.of(Group::arc_distance); centre != Meaning::unknown)
+        modal_.centre_absolute = centre == Meaning::absolute_centre;
     if (const Meaning control = request_.of(Group::path_control); control != Meaning::unknown)
         modal_.exact_stop = control == Meaning::exact_stop;
     if (const Meaning distance = request_.of(Group::distance); distance != Meaning::unknown)
@@ -201,6 +211,21 @@ bool Rs274Reader::offset() {
     const auto index = index_in(program_.offsets, name_of(request_.code_of(Group::offset)));
     if (!index) return refuse("NC0008", {block_.line, 1}, "more offsets than are read");
     modal_.offset = *index;
+    return true;
+}
+
+/// G43 Hn: the length of tool n counts, whatever tool is in the spindle; G43 and G49: that of the tool in the spindle.
+bool Rs274Reader::tool_length() {
+    if (request_.of(Group::tool_length) == Meaning::unknown) return true;
+    modal_.length_tool.reset();
+    if (!block_.has('H') || !request_.asks(Group::tool_length, Meaning::tool_length)) return true;
+    const double number = block_['H'];
+    if (number < 0 || number != std::floor(number))
+        return refuse("NC0314", block_.spot('H'), "a tool is a whole number", fmt::format("H{}", number));
+    const auto index =
+        index_in(program_.tools, number == 0 ? program_.tools[modal_.tool] + " D0" : fmt::format("{}", number));
+    if (!index) return refuse("NC0008", {block_.line, 1}, "more tools than are read");
+    modal_.length_tool = index;
     return true;
 }
 

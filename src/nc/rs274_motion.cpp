@@ -16,8 +16,15 @@ bool same(double a, double b) {
     return a == b || (std::isnan(a) && std::isnan(b));
 }
 
+Frame frame_of(const Move& move) {
+    if (move.space == Space::machine) return {Space::machine};
+    return {move.space, move.offset, move.tool};
+}
+
 bool same_place(const Move& a, const Move& b) {
-    if (a.space != b.space || a.offset != b.offset || a.position_mm != b.position_mm) return false;
+    if (frame_of(a) != frame_of(b)) return false;
+    for (int i = 0; i < 3; ++i)
+        if (!same(a.position_mm[i], b.position_mm[i])) return false;
     for (std::size_t i = 0; i < a.rotary_rad.size(); ++i)
         if (!same(a.rotary_rad[i], b.rotary_rad[i])) return false;
     return true;
@@ -25,10 +32,31 @@ bool same_place(const Move& a, const Move& b) {
 
 }  // namespace
 
+Meaning Rs274Reader::motion_in_force() const {
+    const Meaning asked = request_.of(Group::motion);
+    return asked != Meaning::unknown ? asked : modal_.motion;
+}
+
+/// A block without axis words is a whole turn where it says the centre.
+bool Rs274Reader::moves_on_arc() const {
+    constexpr std::uint32_t centre = Block::bit('I') | Block::bit('J') | Block::bit('K');
+    return is_arc(motion_in_force()) &&
+           (axes_ != 0 || (block_.present & centre) != 0 || is_arc(request_.of(Group::motion)));
+}
+
 bool Rs274Reader::motion() {
-    if (axes_ == 0) return true;
+    const bool on_arc = moves_on_arc();
+    if (axes_ == 0 && !on_arc) return true;
     if (modal_.motion == Meaning::no_motion)
         return refuse("NC0308", spot_of_motion(), "an axis word, but no motion is in force", {}, "G0 or G1 before it");
+    const bool machine_position = request_.asks(Group::once, Meaning::machine_position);
+    if (machine_position && !modal_.absolute)
+        return refuse("NC0315", {block_.line, request_.code_of(Group::once).column}, "G53 needs G90",
+                      "G91 is in force");
+    const std::uint16_t tool = modal_.length_tool.value_or(modal_.tool);
+    enter(machine_position ? Frame{Space::machine}
+                           : Frame{modal_.tcp ? Space::workpiece : Space::untransformed, modal_.offset, tool});
+    const Eigen::Vector3d start_mm = position_mm_;
     if (!target()) return false;
     Move move;
     move.position_mm = position_mm_;
@@ -37,22 +65,20 @@ bool Rs274Reader::motion() {
     move.space = frame_.space;
     move.law = program::OrientationLaw::rotary;
     move.exact_stop = modal_.exact_stop;
-    move.tool = modal_.tool;
+    move.tool = tool;
     move.offset = frame_.offset;
     move.line = block_.line;
-    return feed_of(move) && add(move);
+    return feed_of(move) && (!on_arc || arc_from(start_mm, move)) && add(move);
 }
 
-/// Where the block goes: frame_, position_mm_ and rotary_rad_ from the words of the block.
-bool Rs274Reader::target() {
-    const bool machine_position = request_.asks(Group::once, Meaning::machine_position);
-    if (machine_position && !modal_.absolute)
-        return refuse("NC0315", {block_.line, request_.code_of(Group::once).column}, "G53 needs G90",
-                      "G91 is in force");
-    const Frame frame = machine_position ? Frame{Space::machine, 0}
-                                         : Frame{modal_.tcp ? Space::workpiece : Space::machine, modal_.offset};
+/// Where coordinates count in another frame the axes stand as they do, but none of the coordinates is known.
+void Rs274Reader::enter(const Frame& frame) {
     if (frame != frame_) position_mm_.setConstant(unknown_word);
     frame_ = frame;
+}
+
+/// Where the block goes: position_mm_ and rotary_rad_ from its words.
+bool Rs274Reader::target() {
     for (std::uint32_t letters = axes_; letters != 0; letters &= letters - 1)
         if (!axis_word(static_cast<char>('A' + std::countr_zero(letters)))) return false;
     return true;
@@ -73,6 +99,18 @@ bool Rs274Reader::axis_word(char letter) {
     return true;
 }
 
+/// Whether no linear axis is asked to move. A coordinate that is unknown stays where it stands.
+bool Rs274Reader::turns_only(const Move& move) const {
+    if (program_.moves.empty() || moves_on_arc()) return false;
+    const Move& last = program_.moves.back();
+    const bool same_frame = frame_of(last) == frame_of(move);
+    for (int i = 0; i < 3; ++i) {
+        if (std::isnan(move.position_mm[i])) continue;
+        if (!same_frame || !(std::abs(move.position_mm[i] - last.position_mm[i]) <= still_mm)) return false;
+    }
+    return true;
+}
+
 bool Rs274Reader::feed_of(Move& move) {
     if (move.kind == program::MoveKind::rapid) return true;
     if (modal_.feed_per_s == 0 && !options_.feed_given_elsewhere) {
@@ -82,12 +120,9 @@ bool Rs274Reader::feed_of(Move& move) {
         return refuse("NC0205", spot_of_motion(), "a cutting move without a feed", {},
                       "--feed gives one, or F before it");
     }
-    const Move* const last = program_.moves.empty() ? nullptr : &program_.moves.back();
-    const bool same_frame = last && Frame{last->space, last->offset} == frame_;
-    const bool turns_only = same_frame && (last->position_mm - move.position_mm).cwiseAbs().maxCoeff() <= still_mm;
     if (modal_.inverse_time && modal_.feed_per_s > 0)
         move.feed = {FeedRule::block_time, 1 / modal_.feed_per_s};
-    else if (turns_only)
+    else if (turns_only(move))
         move.feed = {FeedRule::rotary_rate, modal_.feed_per_s * degree};
     else
         move.feed = {FeedRule::tip_speed, modal_.feed_per_s * modal_.feed_unit_mm};
@@ -95,16 +130,13 @@ bool Rs274Reader::feed_of(Move& move) {
 }
 
 bool Rs274Reader::add(Move& move) {
-    if (move.position_mm.hasNaN()) {
-        if (!program_.moves.empty())
-            return refuse("NC0311", spot_of_motion(),
-                          "X, Y and Z must all be said where coordinates count in another frame", {},
-                          "G53, TCP on or off and work offsets change the frame");
+    auto& moves = program_.moves;
+    if (moves.empty() && move.position_mm.hasNaN()) {
         findings_.count("NC0013", Severity::warning, spot_of_motion(), "start",
                         "moves before the first pose that is known whole are left out");
         return true;
     }
-    if (program_.moves.empty() || !same_place(program_.moves.back(), move)) program_.moves.push_back(move);
+    if (moves.empty() || move.arc != program::no_arc || !same_place(moves.back(), move)) moves.push_back(move);
     return true;
 }
 
@@ -118,10 +150,12 @@ bool Rs274Reader::never_started() {
                   "say them at the start, like G0 X0 Y0 Z10");
 }
 
-/// Leaves out the moves before every rotary letter that the program uses is known; a letter stays known.
+/// Leaves out the moves before the first pose of which every coordinate and every rotary letter that the program uses
+/// is known; a letter stays known.
 void Rs274Reader::drop_undetermined() {
     auto& moves = program_.moves;
     const auto known = [&](const Move& move) {
+        if (move.position_mm.hasNaN()) return false;
         for (std::size_t i = 0; i < rotary_rad_.size(); ++i)
             if (std::isnan(move.rotary_rad[i]) && !std::isnan(rotary_rad_[i])) return false;
         return true;
@@ -132,6 +166,7 @@ void Rs274Reader::drop_undetermined() {
     findings_.count("NC0013", Severity::warning, {moves.front().line, 1}, "start",
                     "moves before the first pose that is known whole are left out", {}, static_cast<int>(first));
     moves.erase(moves.begin(), moves.begin() + static_cast<std::ptrdiff_t>(first));
+    if (!moves.empty()) moves.front().arc = program::no_arc;
     for (program::Event& event : program_.events) event.before_move -= std::min(event.before_move, first);
 }
 

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "trunnion/base/quantity.hpp"
 
+#include "detail/branch_following.hpp"
+
 namespace trunnion::path {
 
+using detail::Followed;
 using machine::AxisPosition;
 using machine::RotaryPosition;
 using machine::RotarySeries;
@@ -17,14 +20,9 @@ using machine::VectorSeries;
 
 namespace {
 
-constexpr double full_turn = 2 * std::numbers::pi;
 constexpr double station_turn_rad = 20 * degree;
 constexpr double shortest_station_mm = 1e-9;
 constexpr double reach_rad = 1e-6;
-
-double wound_near(double angle, double near) {
-    return angle + full_turn * std::round((near - angle) / full_turn);
-}
 
 VectorSeries normalised(const VectorSeries& v) {
     const Taylor3 inverse = 1.0 / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -35,13 +33,27 @@ double rate_of(const VectorSeries& v) {
     return std::hypot(v[0].d1(), v[1].d1(), v[2].d1());
 }
 
-}  // namespace
-
-bool AxisPath::continues(const Followed& a, const Followed& b) {
-    const bool branch = a.branch == b.branch || a.branch == unknown_branch || b.branch == unknown_branch;
-    return branch && std::abs(a.rotary_rad[0] - b.rotary_rad[0]) < station_turn_rad / 2 &&
-           std::abs(a.rotary_rad[1] - b.rotary_rad[1]) < station_turn_rad / 2;
+/// How far a function may come from its chord over an interval of which it has these values and derivatives at both
+/// ends: Bernstein hull of the septic polynomial through them (Farin, Curves and Surfaces for CAGD, ch. 5).
+double largest_distance_from_chord(const Taylor3& from, const Taylor3& to, double length_mm) {
+    constexpr double binomial[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
+    constexpr double of_seven[4] = {1, 7, 21, 35};
+    const double rise = to.value() - from.value();
+    double out = 0;
+    for (int j = 1; j < 4; ++j) {
+        double near_from = 0, near_to = 0, power = 1;
+        for (int k = 1; k <= j; ++k) {
+            power *= length_mm;
+            const double share = power * binomial[j][k] / of_seven[k];
+            near_from += share * from.c[k];
+            near_to += (k % 2 ? -share : share) * to.c[k];
+        }
+        out = std::max({out, std::abs(near_from - rise * j / 7), std::abs(near_to + rise * j / 7)});
+    }
+    return out;
 }
+
+}  // namespace
 
 Diagnostic AxisPath::diagnose(PathPlace place, std::string code, std::string text) const {
     const double p = path_->pieces[place.piece].begin_mm + place.offset_mm;
@@ -52,167 +64,149 @@ Diagnostic AxisPath::diagnose(PathPlace place, std::string code, std::string tex
     return out;
 }
 
-/// Position of the rotary axes that gives the tool axis at a place, on the branch and winding nearest to `near`.
-Result<AxisPath::Followed> AxisPath::rotary_at(PathPlace place, const RotaryPosition& near) const {
-    const auto series = path::evaluate(path_->pieces[place.piece], place.offset_mm);
-    const Eigen::Vector3d axis = Eigen::Vector3d(series[3].value(), series[4].value(), series[5].value()).normalized();
-    const RotarySeries rotary =
-        path_->kinematics->rotary_series({Taylor3(axis.x()), Taylor3(axis.y()), Taylor3(axis.z())}, near);
-    Followed found{{rotary[0].value(), rotary[1].value()}, unknown_branch};
-    const double missed = (path_->kinematics->tool_axis(found.rotary_rad) - axis).norm();
-    if (!(missed <= reach_rad))
-        return fail(diagnose(place, "PATH0101",
-                             fmt::format("the machine cannot bring its tool to the direction ({:.6f}, {:.6f}, {:.6f})",
-                                         axis.x(), axis.y(), axis.z())));
-    const auto solutions = path_->kinematics->rotary_for(axis);
-    const int turning = path_->kinematics->rotary_nearest_workpiece();
-    if (solutions.count == 2 && !solutions.degenerate)
-        found.branch = std::cos(found.rotary_rad[turning] - solutions.rotary_rad[0][turning]) > 0 ? 0 : 1;
-    return found;
+Eigen::Vector3d AxisPath::tool_axis(PathPlace place) const {
+    const auto at = path::evaluate(path_->pieces[place.piece], place.offset_mm);
+    return Eigen::Vector3d(at[3].value(), at[4].value(), at[5].value()).normalized();
 }
 
-/// Adds the stations of ]from, to], fine enough that the nearest solution is the continuous one: small turns, and no
-/// change of branch but at the pole itself. A change of branch between two places is a passage of the pole that was
-/// jumped over.
-Result<void> AxisPath::follow(PathPlace from, PathPlace to, const Followed& at_from) {
-    const PathPlace middle{from.piece, 0.5 * (from.offset_mm + to.offset_mm)};
-    auto at_middle = rotary_at(middle, at_from.rotary_rad);
-    if (!at_middle) return fail(at_middle.error());
-    auto at_end = rotary_at(to, at_middle->rotary_rad);
-    if (!at_end) return fail(at_end.error());
-    if (continues(at_from, *at_middle) && continues(*at_middle, *at_end)) {
-        stations_.push_back(to);
-        rotary_at_station_.push_back(*at_end);
-        return {};
-    }
-    if (to.offset_mm - from.offset_mm < shortest_station_mm) {
-        auto lost =
-            diagnose(from, "PATH0103", "the tool axis passes the pole too closely for the rotary axes to follow");
-        lost.hint = "turn the part on the table, or lead the tool a little to one side";
-        return fail(lost);
-    }
-    if (auto first = follow(from, middle, at_from); !first) return first;
-    return follow(middle, to, rotary_at_station_.back());
+machine::RotarySolutions AxisPath::solutions(PathPlace place) const {
+    return path_->kinematics->rotary_for(tool_axis(place));
 }
 
-Result<void> AxisPath::follow(const RotaryPosition& from) {
-    stations_.clear();
-    rotary_at_station_.clear();
-    first_station_of_piece_.clear();
-    auto at_begin = rotary_at({0, 0}, from);
-    if (!at_begin) return fail(at_begin.error());
-    stations_.push_back({0, 0});
-    rotary_at_station_.push_back(*at_begin);
+Diagnostic AxisPath::out_of_reach(PathPlace place) const {
+    const Eigen::Vector3d axis = tool_axis(place);
+    return diagnose(place, "PATH0101",
+                    fmt::format("the machine cannot bring its tool to the direction ({:.6f}, {:.6f}, {:.6f})", axis.x(),
+                                axis.y(), axis.z()));
+}
+
+/// Where the rotary axes begin: on the solution nearest to `near`. At the pole that is the one with which the path
+/// leaves it, up to where it does; it stays at `near` where it never leaves.
+Result<RotaryPosition> AxisPath::beginning(const RotaryPosition& near) const {
+    constexpr int looks = 8;
+    const machine::Kinematics& kinematics = *path_->kinematics;
+    const auto at_begin = solutions({0, 0});
+    if (at_begin.count == 0) return fail(out_of_reach({0, 0}));
+    if (!at_begin.degenerate) return detail::solution_after(kinematics, at_begin, {near}, 0)->rotary_rad;
     for (std::size_t i = 0; i < path_->pieces.size(); ++i) {
-        if (i > 0) {
-            stations_.push_back({i, 0});
-            rotary_at_station_.push_back(rotary_at_station_.back());
+        const double length = path_->pieces[i].length_mm;
+        const auto at = [&](double offset) { return solutions({i, offset}); };
+        for (int k = 0; k < looks; ++k) {
+            const double off = length * (k + 1) / looks;
+            if (at(off).degenerate) continue;
+            const auto side = detail::side_of_pole(kinematics, at, length * k / looks, off, [&](const auto& leaving) {
+                return detail::solution_after(kinematics, leaving, {near}, 0);
+            });
+            if (!side) return fail(out_of_reach({i, off}));
+            if (side->rest_rad > detail::most_rest_rad) return fail(too_close_to_pole({i, off}));
+            return detail::solution_of(kinematics, at_begin, 0, side->rotary_rad).rotary_rad;
         }
+    }
+    return detail::solution_of(kinematics, at_begin, 0, near).rotary_rad;
+}
+
+Result<void> AxisPath::follow(const RotaryPosition& near) {
+    const auto begin = beginning(near);
+    if (!begin) return fail(begin.error());
+    Followed at = *detail::solution_after(*path_->kinematics, solutions({0, 0}), {*begin}, 0);
+    const auto add = [&](PathPlace place, const Followed& followed) {
+        stations_.push_back(place);
+        rotary_at_station_.push_back(followed.rotary_rad);
+    };
+    add({0, 0}, at);
+    for (std::size_t i = 0; i < path_->pieces.size(); ++i) {
+        if (i > 0) add({i, 0}, at);
         first_station_of_piece_.push_back(stations_.size() - 1);
-        if (auto followed = follow({i, 0}, {i, path_->pieces[i].length_mm}, rotary_at_station_.back()); !followed)
-            return followed;
+        const auto solutions_at = [&](double offset) { return solutions({i, offset}); };
+        const auto on_station = [&](double offset, const Followed& followed) { add({i, offset}, followed); };
+        const auto followed = detail::follow(*path_->kinematics, solutions_at, 0, path_->pieces[i].length_mm, at,
+                                             {station_turn_rad / 2, shortest_station_mm}, on_station);
+        if (!followed) {
+            const PathPlace place{i, followed.error().at};
+            const bool out = followed.error().why == detail::Lost::Why::out_of_reach;
+            return fail(out ? out_of_reach(place) : too_close_to_pole(place));
+        }
+        at = *followed;
     }
     return {};
 }
 
-/// Solutions for a tool axis in three windings, by travel from `near`. At the pole the free axis stays where it is.
-std::vector<RotaryPosition> AxisPath::ranked_solutions(PathPlace place, const RotaryPosition& near) const {
-    const auto series = path::evaluate(path_->pieces[place.piece], place.offset_mm);
-    const auto solutions = path_->kinematics->rotary_for(
-        Eigen::Vector3d(series[3].value(), series[4].value(), series[5].value()).normalized());
-    const int turning = path_->kinematics->rotary_nearest_workpiece();
-    std::vector<std::pair<double, RotaryPosition>> ranked;
-    for (int branch = 0; branch < solutions.count; ++branch)
-        for (int winding = -1; winding <= 1; ++winding) {
-            RotaryPosition candidate = solutions.rotary_rad[branch];
-            if (solutions.degenerate && turning >= 0) candidate[turning] = near[turning];
-            for (int a = 0; a < machine_->rotary_count; ++a)
-                candidate[a] = wound_near(candidate[a], near[a]) + (a == turning ? winding * full_turn : 0);
-            ranked.emplace_back(std::abs(candidate[0] - near[0]) + std::abs(candidate[1] - near[1]), candidate);
-        }
-    std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<RotaryPosition> out;
-    for (const auto& [travel, candidate] : ranked) out.push_back(candidate);
+Diagnostic AxisPath::too_close_to_pole(PathPlace place) const {
+    auto out = diagnose(place, "PATH0103", "the tool axis passes the pole too closely for the rotary axes to follow");
+    out.hint = "turn the part on the table, or lead the tool a little to one side";
     return out;
 }
 
-/// Where a stretch that begins at the pole leaves it: the first place that tells where the free axis has to stand.
-PathPlace AxisPath::departure() const {
-    constexpr int looks = 8;
-    for (std::size_t i = 0; i < path_->pieces.size(); ++i)
-        for (int k = 0; k < looks; ++k) {
-            const PathPlace place{i, path_->pieces[i].length_mm * (k + 1) / looks};
-            const auto at = path::evaluate(path_->pieces[i], place.offset_mm);
-            const Eigen::Vector3d axis = Eigen::Vector3d(at[3].value(), at[4].value(), at[5].value()).normalized();
-            if (!path_->kinematics->rotary_for(axis).degenerate) return place;
-        }
-    return {0, 0};
-}
-
-/// Starting positions of the rotary axes to try, the best first.
-std::vector<RotaryPosition> AxisPath::starts(const AxisPosition* start, const AxisPosition& home) const {
-    const int linear = machine_->linear_count();
-    const auto& reference = start ? *start : home;
-    const RotaryPosition near{machine_->rotary_count > 0 ? reference[linear] : 0.0,
-                              machine_->rotary_count > 1 ? reference[linear + 1] : 0.0};
-    std::vector<RotaryPosition> out{near};
-    if (!start) {
-        if (auto first = ranked_solutions({0, 0}, near); !first.empty()) out = std::move(first);
-        return out;
-    }
-    const auto at_begin = rotary_at({0, 0}, near);
-    if (machine_->rotary_count < 2 || !at_begin || at_begin->branch != unknown_branch) return out;
-    const auto leaving = ranked_solutions(departure(), near);
-    out.insert(out.end(), leaving.begin(), leaving.end());
-    return out;
-}
-
+/// A machine without rotary axes must have its tool where the vectors want it.
 Result<void> AxisPath::check_reach() const {
     if (path_->law != OrientationLaw::vector || path_->space != Space::workpiece) return {};
-    for (std::size_t i = 0; i < path_->pieces.size(); ++i) {
+    for (std::size_t i = 0; i < path_->pieces.size(); ++i)
         for (const double offset : {0.0, path_->pieces[i].length_mm})
-            if (auto reached = rotary_at({i, offset}, {}); !reached) return fail(reached.error());
-    }
+            if ((path_->kinematics->tool_axis(RotaryPosition{}) - tool_axis({i, offset})).norm() > reach_rad)
+                return fail(out_of_reach({i, offset}));
     return {};
+}
+
+Diagnostic AxisPath::out_of_range(PathPlace place, int which, double value) const {
+    const machine::Axis& axis = machine_->axes[which];
+    const double unit = axis.rotary ? degree : 1.0;
+    const char* name = axis.rotary ? "deg" : "mm";
+    auto out = diagnose(place, "PATH0102", fmt::format("axis {} leaves its range", axis.letter));
+    out.value = fmt::format("{} = {:.4f} {}", axis.letter, value / unit, name);
+    out.limit = fmt::format("{:.4f} … {:.4f} {}", axis.range_min / unit, axis.range_max / unit, name);
+    out.hint = "check the setup's origin and tool length, or turn the part on the table";
+    return out;
+}
+
+/// Between two places: inside where the axis cannot come farther from its chord than there is room, else halved.
+Result<void> AxisPath::check_ranges(PathPlace from, const AxisSample& at_from, double length_mm,
+                                    const AxisSample& at_to) const {
+    bool certain = true;
+    for (int i = 0; i < machine_->axis_count; ++i) {
+        const machine::Axis& axis = machine_->axes[i];
+        const Taylor3 &a = at_from.axes[i], &b = at_to.axes[i];
+        const double slack = axis.rotary ? 1e-9 : 1e-6;
+        const double low = axis.range_min - slack, high = axis.range_max + slack;
+        if (!(a.value() >= low && a.value() <= high)) return fail(out_of_range(from, i, a.value()));
+        if (!(b.value() >= low && b.value() <= high))
+            return fail(out_of_range({from.piece, from.offset_mm + length_mm}, i, b.value()));
+        if (std::isinf(low) && std::isinf(high)) continue;
+        const double room = std::min({a.value() - low, high - a.value(), b.value() - low, high - b.value()});
+        // twice: what the septic polynomial leaves out is less than what it adds to the chord
+        certain = certain && 2 * largest_distance_from_chord(a, b, length_mm) <= std::max(room, slack);
+    }
+    if (certain || length_mm < shortest_station_mm) return {};
+    const PathPlace middle{from.piece, from.offset_mm + length_mm / 2};
+    AxisSample at_middle;
+    evaluate(middle, at_middle);
+    if (auto first = check_ranges(from, at_from, length_mm / 2, at_middle); !first) return first;
+    return check_ranges(middle, at_middle, length_mm / 2, at_to);
 }
 
 Result<void> AxisPath::check_ranges() const {
-    for (const PathPlace& place : stations_) {
-        const AxisPosition q = position(place);
-        for (int i = 0; i < machine_->axis_count; ++i) {
-            const machine::Axis& axis = machine_->axes[i];
-            const double slack = axis.rotary ? 1e-9 : 1e-6;
-            if (q[i] >= axis.range_min - slack && q[i] <= axis.range_max + slack) continue;
-            const double unit = axis.rotary ? degree : 1.0;
-            const char* name = axis.rotary ? "deg" : "mm";
-            auto out = diagnose(place, "PATH0102", fmt::format("axis {} leaves its range", axis.letter));
-            out.value = fmt::format("{} = {:.4f} {}", axis.letter, q[i] / unit, name);
-            out.limit = fmt::format("{:.4f} … {:.4f} {}", axis.range_min / unit, axis.range_max / unit, name);
-            out.hint = "check the setup's origin and tool length, or turn the part on the table";
-            return fail(out);
-        }
+    AxisSample before, after;
+    evaluate(stations_.front(), before);
+    for (std::size_t k = 1; k < stations_.size(); ++k, std::swap(before, after)) {
+        const PathPlace &from = stations_[k - 1], &to = stations_[k];
+        evaluate(to, after);
+        const double length =
+            (from.piece == to.piece ? to.offset_mm : path_->pieces[from.piece].length_mm) - from.offset_mm;
+        if (auto inside = check_ranges(from, before, length, after); !inside) return inside;
     }
     return {};
 }
 
-Result<AxisPath> AxisPath::make(const ToolPath& path, const machine::Machine& machine, const AxisPosition* start,
-                                const AxisPosition& home) {
+Result<AxisPath> AxisPath::make(const ToolPath& path, const machine::Machine& machine, const RotaryPosition& near) {
     AxisPath out(path, machine);
-    if (!out.follows_vectors()) {
+    if (out.follows_vectors()) {
+        if (auto followed = out.follow(near); !followed) return fail(followed.error());
+    } else {
         if (auto reached = out.check_reach(); !reached) return fail(reached.error());
         for (std::size_t i = 0; i < path.pieces.size(); ++i) out.stations_.push_back({i, 0});
         out.stations_.push_back({path.pieces.size() - 1, path.pieces.back().length_mm});
-        if (auto inside = out.check_ranges(); !inside) return fail(inside.error());
-        return out;
     }
-    Result<void> first_failure;
-    for (const RotaryPosition& from : out.starts(start, home)) {
-        auto followed = out.follow(from);
-        if (followed) followed = out.check_ranges();
-        if (followed) return out;
-        if (first_failure) first_failure = followed;
-    }
-    return fail(first_failure.error());
+    if (auto inside = out.check_ranges(); !inside) return fail(inside.error());
+    return out;
 }
 
 /// Rotary positions near a place, close enough to tell branch and winding.
@@ -227,8 +221,8 @@ RotaryPosition AxisPath::reference(PathPlace place) const noexcept {
     const auto before = after - 1;
     const double span = after->offset_mm - before->offset_mm;
     const double w = span > 0 ? std::clamp((place.offset_mm - before->offset_mm) / span, 0.0, 1.0) : 0;
-    const auto& a = rotary_at_station_[static_cast<std::size_t>(before - stations_.begin())].rotary_rad;
-    const auto& b = rotary_at_station_[static_cast<std::size_t>(after - stations_.begin())].rotary_rad;
+    const auto& a = rotary_at_station_[static_cast<std::size_t>(before - stations_.begin())];
+    const auto& b = rotary_at_station_[static_cast<std::size_t>(after - stations_.begin())];
     return {a[0] + w * (b[0] - a[0]), a[1] + w * (b[1] - a[1])};
 }
 

@@ -1,13 +1,25 @@
 #include "trunnion/path/path_builder.hpp"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <fmt/format.h>
+
+#include "trunnion/base/quantity.hpp"
+#include "trunnion/geometry/great_circle.hpp"
+
+#include "detail/branch_following.hpp"
+#include "detail/surroundings.hpp"
 
 namespace trunnion::path {
 
-using machine::Kinematics;
+using detail::Surrounding;
+using detail::Surroundings;
+using machine::AxisPosition;
+using machine::RotaryPosition;
+using program::Arc;
 using program::Move;
 using program::MoveKind;
 using program::Program;
@@ -15,7 +27,8 @@ using program::Program;
 namespace {
 
 constexpr double shortest_block_mm = 1e-7;
-constexpr double opposite_rad = 3.14159265;  // closer to half a turn than 4e-9 rad the plane of the turn is lost
+constexpr double least_radius_mm = 1e-9;
+constexpr double right_angle_slack = 1e-9;
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) {
     return {v.x(), v.y(), v.z()};
@@ -24,182 +37,203 @@ Eigen::Vector3d to_vector(const std::array<double, 3>& v) {
     return {v[0], v[1], v[2]};
 }
 
-machine::RotaryPosition rotary_of(const PathCoordinates& c) {
-    return {c.orientation[0], c.orientation[1]};
-}
-
-Diagnostic at_move(const Program& program, const Move& move, std::string code, std::string text) {
-    return {.code = std::move(code), .text = std::move(text), .place = {.file = program.source, .line = move.line}};
+/// Machine axes count for two spaces of a program.
+Space space_of_run(Space space) {
+    return space == Space::workpiece ? Space::workpiece : Space::machine;
 }
 
 }  // namespace
 
+PathBuilder::PathBuilder(PathBuilder&&) noexcept = default;
+PathBuilder& PathBuilder::operator=(PathBuilder&&) noexcept = default;
+PathBuilder::~PathBuilder() = default;
+
+PathBuilder::PathBuilder(const Program& program, const machine::Machine& machine,
+                         std::span<const program::RotaryStand> stands, Surroundings surroundings)
+    : program_(&program),
+      machine_(&machine),
+      stands_(stands),
+      surroundings_(std::make_unique<Surroundings>(std::move(surroundings))) {}
+
 Result<PathBuilder> PathBuilder::make(const Program& program, const machine::Machine& machine,
-                                      const machine::Setup& setup) {
-    PathBuilder builder(program, machine, setup);
+                                      const machine::Setup& setup, std::span<const program::RotaryStand> stands) {
+    auto surroundings = Surroundings::make(program, machine, setup);
+    if (!surroundings) return fail(surroundings.error());
+    PathBuilder builder(program, machine, stands, std::move(*surroundings));
     if (auto begun = builder.begin(); !begun) return fail(begun.error());
     return builder;
 }
 
+const std::vector<Diagnostic>& PathBuilder::diagnostics() const {
+    return surroundings_->diagnostics();
+}
+
 Result<void> PathBuilder::begin() {
-    if (program_->moves.empty())
-        return fail({.code = "PATH0001", .text = "the program moves nothing", .place = {.file = program_->source}});
-    for (const char letter : program_->rotary_letters) {
-        const int axis = machine_->index_of(letter);
-        if (axis < 0 || !machine_->axes[axis].rotary)
-            return fail({.code = "PATH0006",
-                         .text = fmt::format("the machine '{}' has no rotary axis {}", machine_->name, letter),
-                         .place = {.file = program_->source}});
-    }
     const Move& first = program_->moves.front();
-    if (auto entered = enter(first); !entered) return entered;
-    auto at = coordinates_of(first);
+    auto in = surroundings_->of(first);
+    if (!in) return fail(in.error());
+    space_ = space_of_run(first.space);
+    law_ = law_of(0);
+    tool_ = in->tool;
+    kinematics_ = in->kinematics;
+    auto at = coordinates_of(0, *in);
     if (!at) return fail(at.error());
     at_ = *at;
-    space_ = first.space;
     move_ = 1;
     return {};
 }
 
-machine::AxisPosition PathBuilder::home() const {
-    machine::AxisPosition out;
-    for (int i = 0; i < machine_->axis_count; ++i)
-        if (const auto start = setup_->start.find(machine_->axes[i].letter); start != setup_->start.end())
-            out[i] = start->second;
-    const int turning = in_use_->rotary_nearest_workpiece();
-    if (turning < 0 || program_->moves.front().law != OrientationLaw::vector) return out;
-    const auto at_pole = [&](const Move& move) { return in_use_->rotary_for(move.axis).degenerate; };
-    if (!at_pole(program_->moves.front())) return out;
-    const auto tilted = std::find_if_not(program_->moves.begin(), program_->moves.end(), at_pole);
-    if (tilted == program_->moves.end()) return out;
-    const auto solutions = in_use_->rotary_for(tilted->axis);
-    const int linear = machine_->linear_count();
-    for (int branch = 0; branch < solutions.count; ++branch) {
-        const auto& rotary = solutions.rotary_rad[branch];
-        bool inside = true;
-        for (int a = 0; a < machine_->rotary_count; ++a) {
-            const machine::Axis& axis = machine_->axes[linear + a];
-            inside = inside && rotary[a] >= axis.range_min && rotary[a] <= axis.range_max;
-        }
-        if (!inside) continue;
-        out[linear + turning] = rotary[turning];
-        break;
-    }
-    return out;
+/// How a move turns the rotary axes: by themselves wherever it is not the tool's direction that leads.
+OrientationLaw PathBuilder::law_of(std::size_t move) const {
+    const Move& m = program_->moves[move];
+    const bool by_axes = m.law == OrientationLaw::rotary || m.space != Space::workpiece || stands_[move].rebranched;
+    return by_axes ? OrientationLaw::rotary : OrientationLaw::vector;
 }
 
-Result<const Kinematics*> PathBuilder::kinematics_for(double tool_length_mm) {
-    const auto known = kinematics_by_length_.find(tool_length_mm);
-    if (known != kinematics_by_length_.end()) return &kinematics_[known->second];
-    auto made = Kinematics::make(*machine_, setup_->workpiece, tool_length_mm);
-    if (!made) return fail(made.error());
-    kinematics_by_length_[tool_length_mm] = kinematics_.size();
-    kinematics_.push_back(*made);
-    return &kinematics_.back();
+Eigen::Vector3d PathBuilder::tool_axis() const {
+    if (law_ == OrientationLaw::vector) return to_vector(at_.orientation);
+    return kinematics_->tool_axis(RotaryPosition{at_.orientation[0], at_.orientation[1]});
 }
 
-Result<const machine::Tool*> PathBuilder::tool_of(const Move& move) {
-    const std::string& name = program_->tools[move.tool];
-    if (name.empty()) return &setup_->tool;
-    if (const auto found = setup_->tools.find(name); found != setup_->tools.end()) return &found->second;
-    if (setup_->tools.empty() && (borrowed_tool_.empty() || borrowed_tool_ == name)) {
-        if (borrowed_tool_.empty())
-            diagnostics_.push_back({.code = "PATH0007",
-                                    .severity = Severity::note,
-                                    .text = fmt::format("tool {} is taken to be the setup's [tool], length {} mm", name,
-                                                        setup_->tool.length_mm),
-                                    .place = {.file = program_->source, .line = move.line}});
-        borrowed_tool_ = name;
-        return &setup_->tool;
-    }
-    auto missing = at_move(*program_, move, "PATH0002", fmt::format("tool {} is not in the setup", name));
-    missing.hint = fmt::format("add [tools.{}] with its length to the setup file", name);
-    return fail(missing);
+/// Where the machine stands at the end of the last move taken.
+AxisPosition PathBuilder::here() const {
+    const RotaryPosition& rotary = stands_[move_ - 1].rotary_rad;
+    const bool in_workpiece = space_ == Space::workpiece;
+    return detail::axes_of(*machine_,
+                           in_workpiece ? kinematics_->linear_for(to_vector(at_.position_mm), rotary) : at_.position_mm,
+                           rotary);
 }
 
-Result<machine::Frame> PathBuilder::offset_of(const Move& move) const {
-    const std::string& name = program_->offsets[move.offset];
-    if (const auto found = setup_->offsets.find(name); found != setup_->offsets.end()) return found->second;
-    if (name.empty() || name == "G54") return machine::Frame{};
-    auto missing = at_move(*program_, move, "PATH0003", fmt::format("work offset {} is not in the setup", name));
-    missing.hint = fmt::format("add [offsets.{}] to the setup file", name);
-    return fail(missing);
-}
-
-/// End of a move in the coordinates of its space and law, in the workpiece frame.
-Result<PathCoordinates> PathBuilder::coordinates_of(const Move& move) {
+/// End of a move in the coordinates of its run, in the workpiece frame.
+Result<PathCoordinates> PathBuilder::coordinates_of(std::size_t move, const Surrounding& in) const {
+    const Move& to = program_->moves[move];
+    const Eigen::Vector3d position =
+        to.position_mm.hasNaN() ? detail::whole_position(to, in, *machine_, here()) : to.position_mm;
     PathCoordinates out;
-    const bool in_workpiece = move.space == Space::workpiece;
-    auto offset = offset_of(move);
-    if (!offset) return fail(offset.error());
-    out.position_mm = to_array(in_workpiece ? Eigen::Vector3d(offset->rotation * move.position_mm + offset->origin_mm)
-                                            : move.position_mm);
-    if (move.law == OrientationLaw::vector && in_workpiece) {
-        out.orientation = to_array(offset->rotation * move.axis);
-        return out;
-    }
-    const int linear = machine_->linear_count();
-    for (int a = 0; a < machine_->rotary_count; ++a) {
-        const char letter = machine_->axes[linear + a].letter;
-        const auto word = std::find(program_->rotary_letters.begin(), program_->rotary_letters.end(), letter);
-        if (word != program_->rotary_letters.end())
-            out.orientation[a] = move.rotary_rad[static_cast<std::size_t>(word - program_->rotary_letters.begin())];
-        else if (const auto start = setup_->start.find(letter); start != setup_->start.end())
-            out.orientation[a] = start->second;
+    if (to.space == Space::workpiece)
+        out.position_mm = to_array(detail::out_of_offset(*in.offset, position));
+    else
+        out.position_mm =
+            to.space == Space::machine ? to_array(position) : detail::linear_of_untransformed(in, position);
+    if (law_of(move) == OrientationLaw::vector) {
+        out.orientation = to_array(in.offset->rotation * to.axis);
+    } else {
+        const RotaryPosition& rotary = stands_[move].rotary_rad;
+        out.orientation = {rotary[0], rotary[1], 0};
     }
     return out;
 }
 
-/// Takes the tool of a move into use. The machine stands still meanwhile: with a tool of another length the tip is
-/// elsewhere.
-Result<void> PathBuilder::enter(const Move& move) {
-    auto tool = tool_of(move);
-    if (!tool) return fail(tool.error());
-    if (*tool == tool_) return {};
-    auto kinematics = kinematics_for((*tool)->length_mm);
-    if (!kinematics) return fail(kinematics.error());
-    if (tool_ && space_ == Space::workpiece) {
-        const bool vectors = program_->moves.front().law == OrientationLaw::vector;
-        const Eigen::Vector3d axis = vectors ? to_vector(at_.orientation) : (*kinematics)->tool_axis(rotary_of(at_));
-        at_.position_mm = to_array(to_vector(at_.position_mm) + (tool_->length_mm - (*tool)->length_mm) * axis);
+/// The arc of a move in the frame of its run's positions. Untransformed coordinates become machine axes by a rigid
+/// motion where the linear axes stand at right angles; where that is a reflection (axes counted the other way) the arc
+/// turns the other way about the reflected normal.
+Result<Arc> PathBuilder::arc_of(const Move& move, const Surrounding& in) const {
+    Arc arc = program_->arcs[static_cast<std::size_t>(move.arc)];
+    if (move.space == Space::machine) return arc;
+    const Eigen::Vector3d centre = detail::out_of_offset(*in.offset, arc.centre_mm);
+    const Eigen::Vector3d normal = in.offset->rotation * arc.normal;
+    if (move.space == Space::workpiece) return Arc{centre, normal, arc.angle_rad};
+    const auto linear = [&](const Eigen::Vector3d& tip) {
+        return to_vector(in.kinematics->linear_for(tip, RotaryPosition{}));
+    };
+    const Eigen::Vector3d zero = linear(Eigen::Vector3d::Zero());
+    Eigen::Matrix3d map;
+    for (int k = 0; k < 3; ++k) map.col(k) = linear(Eigen::Vector3d::Unit(k)) - zero;
+    if ((map.transpose() * map - Eigen::Matrix3d::Identity()).norm() > right_angle_slack)
+        return fail(detail::at_move(*program_, move, "PATH0008",
+                                    "an arc without TCP on a machine whose linear axes are not at right angles"));
+    return Arc{zero + map * centre, map.determinant() * (map * normal), arc.angle_rad};
+}
+
+/// Takes space, law and tool of the next move into use. The machine stands still meanwhile: with a tool of another
+/// length the tip is elsewhere.
+Result<void> PathBuilder::begin_run(Run& run) {
+    const Move& first = program_->moves[move_];
+    auto in = surroundings_->of(first);
+    if (!in) return fail(in.error());
+    const Space space = space_of_run(first.space);
+    const OrientationLaw law = law_of(move_);
+    const Eigen::Vector3d axis = tool_axis();
+    const RotaryPosition& rotary = stands_[move_ - 1].rotary_rad;
+    if (space != space_) {
+        const AxisPosition standing = here();
+        at_.position_mm = space == Space::machine ? std::array<double, 3>{standing[0], standing[1], standing[2]}
+                                                  : to_array(in->kinematics->forward(standing).tip_in_workpiece_mm);
+    } else if (space == Space::workpiece && in->tool != tool_) {
+        at_.position_mm = to_array(to_vector(at_.position_mm) + (tool_->length_mm - in->tool->length_mm) * axis);
     }
-    tool_ = *tool;
-    in_use_ = *kinematics;
+    at_.orientation = law == OrientationLaw::vector ? to_array(axis) : std::array<double, 3>{rotary[0], rotary[1], 0};
+    space_ = space;
+    law_ = law;
+    tool_ = in->tool;
+    kinematics_ = in->kinematics;
+    run.space = space;
+    run.law = law;
+    run.rapid = first.kind == MoveKind::rapid;
+    run.first_move = move_;
+    run.kinematics = kinematics_;
+    run.controlled_height_mm = tool_->controlled_height_mm();
+    run.vertices = {at_};
+    if (law == OrientationLaw::vector) run.stands = {rotary};
     return {};
 }
 
-/// The present place in the coordinates of another space (law rotary).
-PathCoordinates PathBuilder::converted(Space space) const {
-    PathCoordinates out = at_;
-    if (space == space_) return out;
-    if (space == Space::machine) {
-        out.position_mm = in_use_->linear_for(to_vector(at_.position_mm), rotary_of(at_));
-        return out;
+Result<void> PathBuilder::add_move(Run& run) {
+    const Move& move = program_->moves[move_];
+    auto in = surroundings_->of(move);
+    if (!in) return fail(in.error());
+    auto to = coordinates_of(move_, *in);
+    if (!to) return fail(to.error());
+    Block block{.feed = move.feed, .line = move.line};
+    if (move.arc != program::no_arc) {
+        auto arc = arc_of(move, *in);
+        if (!arc) return fail(arc.error());
+        const Eigen::Vector3d arm = to_vector(at_.position_mm) - arc->centre_mm;
+        if (!(arm.cross(arc->normal).norm() > least_radius_mm))
+            return fail(detail::at_move(*program_, move, "PATH0009", "the arc begins on its own axis"));
+        block.arc = static_cast<std::int32_t>(run.arcs.size());
+        block.length_mm = block_length_mm(run, at_, *to, &*arc);
+        run.arcs.push_back(*arc);
+    } else {
+        block.length_mm = block_length_mm(run, at_, *to);
     }
-    machine::AxisPosition axes;
-    for (int i = 0; i < machine_->linear_count(); ++i) axes[i] = at_.position_mm[i];
-    for (int i = 0; i < machine_->rotary_count; ++i) axes[machine_->linear_count() + i] = at_.orientation[i];
-    out.position_mm = to_array(in_use_->forward(axes).tip_in_workpiece_mm);
-    return out;
+    if (block.length_mm < shortest_block_mm) {
+        if (block.arc != program::no_arc) run.arcs.pop_back();
+        return {};
+    }
+    run.vertices.push_back(*to);
+    run.blocks.push_back(block);
+    if (run.law == OrientationLaw::vector) run.stands.push_back(stands_[move_].rotary_rad);
+    at_ = *to;
+    return {};
 }
 
-bool PathBuilder::event_stops_before(std::size_t move) const {
-    for (std::size_t e = event_; e < program_->events.size() && program_->events[e].before_move <= move; ++e)
-        if (program_->events[e].before_move == move && program_->events[e].stops_motion) return true;
-    return false;
+/// Where a run begins at the pole the free axis is to stand as the first block off the pole wants it.
+void PathBuilder::stand_where_it_leaves_the_pole(Run& run) const {
+    const auto solutions = [&](std::size_t vertex) {
+        return run.kinematics->rotary_for(to_vector(run.vertices[vertex].orientation));
+    };
+    if (run.law != OrientationLaw::vector || !solutions(0).degenerate) return;
+    std::size_t tilted = 1;
+    while (tilted < run.vertices.size() && solutions(tilted).degenerate) ++tilted;
+    if (tilted == run.vertices.size()) return;
+    const geometry::GreatCircle back(to_vector(run.vertices[tilted].orientation),
+                                     to_vector(run.vertices[tilted - 1].orientation));
+    constexpr double half_turn_rad = 10 * degree, shortest = 1e-13;
+    const auto solutions_at = [&](double w) { return run.kinematics->rotary_for(back.at(w)); };
+    const auto pass = [](double, const detail::Followed&) {};
+    const auto from = detail::solution_after(*run.kinematics, solutions(tilted), {run.stands[tilted]}, 0);
+    if (!from) return;
+    const auto at = detail::follow(*run.kinematics, solutions_at, 0, 1, *from, {half_turn_rad, shortest}, pass);
+    if (!at) return;
+    for (std::size_t k = 0; k < tilted; ++k)
+        run.stands[k] = detail::solution_of(*run.kinematics, solutions(k), 0, at->rotary_rad).rotary_rad;
 }
 
 /// What cuts the path between moves[move − 1] and moves[move]; `corner`: nothing does.
 StopCause PathBuilder::stop_before(std::size_t move) const {
-    if (move >= program_->moves.size()) return StopCause::end;
-    const Move& before = program_->moves[move - 1];
-    const Move& after = program_->moves[move];
-    if (before.kind == MoveKind::rapid || after.kind == MoveKind::rapid) return StopCause::rapid;
-    if (event_stops_before(move)) return StopCause::event;
-    if (before.exact_stop) return StopCause::exact_stop;
-    if (before.space != after.space) return StopCause::space;
-    if (before.tool != after.tool) return StopCause::tool;
-    return StopCause::corner;
+    const StopCause cause = detail::stop_between(*program_, move);
+    return cause == StopCause::corner && law_of(move) != law_of(move - 1) ? StopCause::law : cause;
 }
 
 void PathBuilder::take_events(Run& run) {
@@ -210,38 +244,17 @@ void PathBuilder::take_events(Run& run) {
 Result<bool> PathBuilder::next(Run& run) {
     run = {};
     while (move_ < program_->moves.size()) {
-        const Move& first = program_->moves[move_];
-        if (first.law != program_->moves.front().law)
-            return fail(
-                at_move(*program_, first, "PATH0004", "the program changes between tool vectors and rotary words"));
-        if (auto entered = enter(first); !entered) return fail(entered.error());
-        at_ = converted(first.space);
-        space_ = first.space;
-        run.space = first.space;
-        run.law = first.space == Space::machine ? OrientationLaw::rotary : first.law;
-        run.rapid = first.kind == MoveKind::rapid;
-        run.first_move = move_;
-        run.kinematics = in_use_;
-        run.controlled_height_mm = tool_->controlled_height_mm();
-        run.vertices = {at_};
+        if (auto begun = begin_run(run); !begun) return fail(begun.error());
         do {
             take_events(run);
-            const Move& move = program_->moves[move_];
-            auto to = coordinates_of(move);
-            if (!to) return fail(to.error());
-            const double length = block_length_mm(run, at_, *to);
-            if (run.law == OrientationLaw::vector && turn_rad(run, at_, *to) > opposite_rad)
-                return fail(at_move(*program_, move, "PATH0005",
-                                    "the tool axis is turned by half a turn: the plane is undefined"));
+            if (auto added = add_move(run); !added) return fail(added.error());
             ++move_;
-            if (length < shortest_block_mm) continue;
-            run.vertices.push_back(*to);
-            run.blocks.push_back({length, move.feed, move.line});
-            at_ = *to;
-        } while (stop_before(move_) == StopCause::corner);
-        run.stop = stop_before(move_);
+            run.stop = stop_before(move_);
+        } while (run.stop == StopCause::corner);
         if (move_ == program_->moves.size()) take_events(run);
-        if (!run.blocks.empty()) return true;
+        if (run.blocks.empty()) continue;
+        stand_where_it_leaves_the_pole(run);
+        return true;
     }
     return false;
 }

@@ -5,6 +5,7 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/output_file.hpp"
+#include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/verify/programmed_path.hpp"
 #include "trunnion/verify/setpoint_table.hpp"
 
@@ -19,7 +20,9 @@ Result<verify::Verdict> check_setpoints(const std::filesystem::path& setpoints, 
     if (!text) return fail(text.error());
     auto table = verify::read_setpoint_csv(*text, machine, setpoints.string());
     if (!table) return fail(table.error());
-    auto poses = verify::programmed_poses(program, machine, setup);
+    const auto stands = path::choose_rotary_stands(program, machine, setup);
+    if (!stands) return fail(stands.error());
+    auto poses = verify::programmed_poses(program, machine, setup, *stands);
     if (!poses) return fail(poses.error());
     verify::CheckOptions options;
     options.tip_tolerance_mm = tolerances.tip_tolerance_mm;

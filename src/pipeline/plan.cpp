@@ -4,12 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "trunnion/base/quantity.hpp"
 #include "trunnion/interpolation/interpolator.hpp"
 #include "trunnion/path/path_builder.hpp"
+#include "trunnion/path/rotary_stands.hpp"
 
 #include "detail/feed_drops.hpp"
 #include "detail/stretch_table.hpp"
@@ -17,12 +20,14 @@
 namespace trunnion::pipeline {
 
 using machine::AxisPosition;
+using machine::RotaryPosition;
 using program::FeedRule;
 
 namespace {
 
 constexpr std::size_t most_feed_drops = 200;
-constexpr double joint_slack = 1e-6;  // mm or rad between the end of a stretch and the start of the next
+constexpr double joint_slack = 1e-6;     // mm or rad between the end of a stretch and the start of the next
+constexpr double turn_slack_rad = 2e-9;  // of an axis that is free to turn: third differences feel more than that
 
 /// Adds the time of a scope to a counter.
 class Stopwatch {
@@ -59,7 +64,9 @@ class PlanRun {
     void apply_feed_options(path::Run& run) const;
     Result<void> motion_of(path::Run& run);
     Result<void> motion_of(const path::ToolPath& stretch);
+    RotaryPosition standing_before(const path::ToolPath& stretch) const;
     Result<void> turn_in_place(const path::AxisPath& next);
+    Result<void> joint_error(const path::AxisPath& next, double jump) const;
     Result<void> perform(const path::AxisPath& path);
     void events_before_block(const path::Run& run, std::size_t block, double time_s, double s_mm);
     void events_of_stretch(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table);
@@ -80,7 +87,7 @@ class PlanRun {
     Summary summary_;
     FeedDropCollector drops_;
     std::vector<float> transition_use_;
-    AxisPosition home_, at_;
+    AxisPosition at_;
     bool moved_ = false;
     double time_s_ = 0;  // of the start of the next stretch
     double s_mm_ = 0, p_mm_ = 0;
@@ -93,9 +100,10 @@ class PlanRun {
 };
 
 Result<Summary> PlanRun::operator()() {
-    auto builder = path::PathBuilder::make(program_, machine_, setup_);
+    const auto stands = path::choose_rotary_stands(program_, machine_, setup_);
+    if (!stands) return fail(stands.error());
+    auto builder = path::PathBuilder::make(program_, machine_, setup_, *stands);
     if (!builder) return fail(builder.error());
-    home_ = builder->home();
     if (auto done = run_over(*builder); !done) return fail(done.error());
     finish();
     summary_.diagnostics.insert(summary_.diagnostics.end(), builder->diagnostics().begin(),
@@ -155,7 +163,7 @@ Result<void> PlanRun::motion_of(path::Run& run) {
 
 Result<void> PlanRun::motion_of(const path::ToolPath& stretch) {
     events_before_block(*run_, block_of_stretch_, time_s_, s_mm_);
-    auto path = path::AxisPath::make(stretch, machine_, moved_ ? &at_ : nullptr, home_);
+    auto path = path::AxisPath::make(stretch, machine_, standing_before(stretch));
     if (!path) {
         auto error = path.error();
         error.place.file = program_.source;
@@ -167,22 +175,59 @@ Result<void> PlanRun::motion_of(const path::ToolPath& stretch) {
     return {};
 }
 
+/// Where the rotary axes are before a stretch: where the last one left them, but at the pole as the moves to come want
+/// the axis that is free there.
+RotaryPosition PlanRun::standing_before(const path::ToolPath& stretch) const {
+    RotaryPosition out{};
+    for (int a = 0; a < machine_.rotary_count; ++a) out[a] = at_[machine_.linear_count() + a];
+    if (run_->stands.empty()) return out;
+    const auto& axis = run_->vertices[block_of_stretch_].orientation;
+    const bool free = stretch.kinematics->rotary_for({axis[0], axis[1], axis[2]}).degenerate;
+    return moved_ && !free ? out : run_->stands[block_of_stretch_];
+}
+
+/// A stretch that does not begin where the axes stand. Rounding may lead the tool past the pole on the other side than
+/// the program does; then the axes arrive a whole turn away from where rotary words count from.
+Result<void> PlanRun::joint_error(const path::AxisPath& next, double jump) const {
+    const path::ToolPath& stretch = next.tool_path();
+    const AxisPosition begin = next.begin_position();
+    const Place place{.file = program_.source, .line = stretch.blocks.front().line};
+    for (int i = machine_.linear_count(); i < machine_.axis_count; ++i) {
+        if (std::abs(std::remainder(begin[i] - at_[i], 2 * std::numbers::pi)) > joint_slack) break;
+        if (std::abs(begin[i] - at_[i]) <= joint_slack) continue;
+        return fail(
+            {.code = "PIPE0005",
+             .text = fmt::format("the rounded path passes the pole on the other side than the programmed one: axis "
+                                 "{} stands a whole turn away from where this move begins",
+                                 machine_.axes[i].letter),
+             .place = place,
+             .value = fmt::format("{:.4f} deg", at_[i] / degree),
+             .limit = fmt::format("{:.4f} deg", begin[i] / degree),
+             .hint = "lead the tool past the pole farther away, or give a smaller orientation tolerance"});
+    }
+    return fail({.code = "PIPE0003",
+                 .text = "the axes would have to jump between two moves",
+                 .place = place,
+                 .value = fmt::format("{:.6g}", jump)});
+}
+
 /// Where the next stretch begins at the pole with another position of the axis that is free there, that axis turns
-/// first, the tool standing still. Any other jump is a fault of ours.
+/// first, the tool standing still. Any other jump is refused.
 Result<void> PlanRun::turn_in_place(const path::AxisPath& next) {
     const AxisPosition begin = next.begin_position();
     const int linear = machine_.linear_count();
-    double jump = 0;
-    for (int i = 0; moved_ && i < machine_.axis_count; ++i) jump = std::max(jump, std::abs(begin[i] - at_[i]));
-    if (jump <= joint_slack) return {};
+    double jump = 0, turn = 0;
+    for (int i = 0; moved_ && i < machine_.axis_count; ++i) {
+        jump = std::max(jump, std::abs(begin[i] - at_[i]));
+        if (i >= linear) turn = std::max(turn, std::abs(begin[i] - at_[i]));
+    }
+    if (jump <= joint_slack && turn <= turn_slack_rad) return {};
     const path::ToolPath& stretch = next.tool_path();
     const auto here = stretch.kinematics->forward(at_), there = stretch.kinematics->forward(begin);
-    if (!((here.tip_in_workpiece_mm - there.tip_in_workpiece_mm).norm() <= joint_slack &&
+    const bool at_pole = stretch.kinematics->rotary_for(here.axis_in_workpiece).degenerate;
+    if (!(at_pole && (here.tip_in_workpiece_mm - there.tip_in_workpiece_mm).norm() <= joint_slack &&
           (here.axis_in_workpiece - there.axis_in_workpiece).norm() <= joint_slack))
-        return fail({.code = "PIPE0003",
-                     .text = "the axes would have to jump between two moves",
-                     .place = {.file = program_.source, .line = stretch.blocks.front().line},
-                     .value = fmt::format("{:.6g}", jump)});
+        return jump <= joint_slack ? Result<void>() : joint_error(next, jump);
     path::Run run{.law = path::OrientationLaw::rotary, .rapid = true, .kinematics = stretch.kinematics};
     run.vertices.resize(2);
     for (int k = 0; k < 3; ++k)
@@ -191,11 +236,13 @@ Result<void> PlanRun::turn_in_place(const path::AxisPath& next) {
         run.vertices[0].orientation[a] = at_[linear + a];
         run.vertices[1].orientation[a] = begin[linear + a];
     }
-    run.blocks = {{path::block_length_mm(run, run.vertices[0], run.vertices[1]), {}, stretch.blocks.front().line}};
+    constexpr double shortest_mm = 1e-3;  // of p, which is as good a parameter as any for a turn however small
+    const double length_mm = std::max(path::block_length_mm(run, run.vertices[0], run.vertices[1]), shortest_mm);
+    run.blocks = {{length_mm, {}, stretch.blocks.front().line}};
     std::vector<path::ToolPath> turns;
     smoothing::smooth(run, options_.smoothing, turns);
     turns.front().stop = path::StopCause::turn;
-    auto path = path::AxisPath::make(turns.front(), machine_, &at_, home_);
+    auto path = path::AxisPath::make(turns.front(), machine_, {});
     return path ? perform(*path) : Result<void>(fail(path.error()));
 }
 
@@ -281,6 +328,7 @@ void PlanRun::count_stop(const path::ToolPath& next) {
         case StopCause::event:
         case StopCause::tool:
         case StopCause::space:
+        case StopCause::law:
             ++stops.events;
             break;
         case StopCause::turn:

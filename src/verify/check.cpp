@@ -14,6 +14,7 @@
 #include "detail/follower.hpp"
 #include "detail/pose_deviations.hpp"
 #include "detail/programmed_line.hpp"
+#include "detail/rotary_words.hpp"
 
 namespace trunnion::verify {
 
@@ -29,8 +30,10 @@ std::optional<Diagnostic> not_positive(const char* what, double value) {
     return fault;
 }
 
+constexpr double largest_position = 1e12;  // squares of differences stay finite
+
 Diagnostic not_finite(const char* what, std::int32_t line) {
-    return fault_at(line, "VER0108", fmt::format("{} is not finite", what));
+    return fault_at(line, "VER0108", fmt::format("{} is not finite, or beyond {} mm or rad", what, largest_position));
 }
 
 std::optional<Diagnostic> fault_in(const machine::Axis& axis) {
@@ -53,9 +56,10 @@ std::optional<Diagnostic> fault_in(const SetpointTable& setpoints, const std::ve
     if (poses.empty()) return fault_at(0, "VER0302", "there are no programmed poses to check against");
     for (const auto& row : setpoints.rows)
         for (const double x : row.position.v)
-            if (!std::isfinite(x)) return not_finite("a setpoint", row.line);
+            if (!(std::abs(x) <= largest_position)) return not_finite("a setpoint", row.line);
     for (const auto& pose : poses)
-        if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return not_finite("a programmed pose", pose.line);
+        if (!(pose.tip_mm.cwiseAbs().maxCoeff() <= largest_position) || !pose.axis.allFinite())
+            return not_finite("a programmed pose", pose.line);
     for (int i = 0; i < machine.axis_count; ++i)
         if (auto fault = fault_in(machine.axes[i])) return fault;
     return fault_in(options);
@@ -150,9 +154,10 @@ class Comparison {
         Maxima maxima("tip_deviation_mm", "orientation_deviation_deg", "height_deviation_mm", options_);
         for (std::size_t n = 0; n < rows_.size(); ++n) {
             const Place& place = places_[n];
-            const Joint6 point = line_.heights().joint(rows_[n], line_.segments()[place.segment].tool_length_mm);
+            const ToolHeights& tool = line_.segments()[place.segment].tool;
+            const Joint6 point = joint_of(rows_[n], tool, line_.flank_mm());
             const Joint6 wanted = line_.at(place.segment, place.w).point;
-            maxima.see(distance_between(point, wanted, line_.heights()), setpoints_.rows[n], line_at(place));
+            maxima.see(distance_between(point, wanted, tool, line_.flank_mm()), setpoints_.rows[n], line_at(place));
         }
         verdict.tip_deviation_mm = maxima.tip_mm();
         verdict.orientation_deviation_deg = maxima.angle_deg();
@@ -164,13 +169,18 @@ class Comparison {
         Maxima maxima("tip_to_poses_mm", "orientation_to_poses_deg", "height_to_poses_mm", options_);
         const PosePasses passes(line_, rows_, places_, reach_for(options_).window_mm);
         for (std::size_t n = 0; n < poses_.size(); ++n) {
-            const auto pass = passes.at(n, line_.heights().joint(poses_[n].tip_mm, poses_[n].axis));
+            const auto pass = passes.at(n, poses_[n]);
             maxima.see(pass.distance, setpoints_.rows[pass.row], poses_[n].line);
         }
         verdict.tip_to_poses_mm = maxima.tip_mm();
         verdict.orientation_to_poses_deg = maxima.angle_deg();
         verdict.height_to_poses_mm = maxima.height_mm();
         maxima.tell(verdict.broken);
+    }
+
+    void words(const machine::Machine& machine, Verdict& verdict) const {
+        check_rotary_words(setpoints_, poses_, line_, places_, reach_for(options_).window_mm, machine, options_,
+                           verdict);
     }
 
     void coverage(Verdict& verdict) const {
@@ -185,7 +195,7 @@ class Comparison {
 
     void ends(Verdict& verdict) const {
         const auto error = [&](std::size_t row, std::size_t pose) {
-            return (rows_[row].tip_mm(line_.tool_length_mm(pose)) - poses_[pose].tip_mm).norm();
+            return (rows_[row].tip_mm(line_.tool_at(pose).length_mm) - poses_[pose].tip_mm).norm();
         };
         Maximum start("start_error_mm", options_.tip_tolerance_mm, length_slack_mm);
         Maximum end("end_error_mm", options_.tip_tolerance_mm, length_slack_mm);
@@ -221,9 +231,10 @@ Result<Verdict> check(const SetpointTable& setpoints, const std::vector<Programm
                       const machine::Machine& machine, const machine::Setup& setup, const CheckOptions& options) {
     if (auto fault = fault_in(setpoints, poses, machine, options)) return fail(std::move(*fault));
     const Chain chain(machine, setup.workpiece);
-    const auto line = ProgrammedLine::make(
-        poses, machine, setup, chain,
-        {.flank_mm = options.flank_height_mm, .controlled_mm = options.controlled_height_mm}, slack_mm(options));
+    const auto line =
+        ProgrammedLine::make(poses, machine, setup, chain,
+                             {.length_mm = setup.tool.length_mm, .controlled_mm = options.controlled_height_mm},
+                             options.flank_height_mm, slack_mm(options));
     if (!line) return fail(line.error());
     Verdict verdict;
     verdict.rows = setpoints.rows.size();
@@ -233,6 +244,7 @@ Result<Verdict> check(const SetpointTable& setpoints, const std::vector<Programm
     check_axes(setpoints, comparison.rows_at_rapid(), machine, options.limit_excess, verdict);
     comparison.rows_from_path(verdict);
     comparison.poses_from_motion(verdict);
+    comparison.words(machine, verdict);
     comparison.coverage(verdict);
     comparison.ends(verdict);
     std::stable_sort(verdict.broken.begin(), verdict.broken.end(),

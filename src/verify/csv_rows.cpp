@@ -1,6 +1,7 @@
 #include "detail/csv_rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,9 @@
 namespace trunnion::verify {
 
 namespace {
+
+constexpr double largest_number =
+    1e12;  // mm, deg, s: beyond it a square may overflow, and nothing measured is so large
 
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view blanks = " \t\r";
@@ -74,7 +78,7 @@ Result<bool> CsvRows::next() {
 Result<double> CsvRows::number(std::size_t column) const {
     std::string_view text = fields_[column];
     const auto value = take_number(text, Exponent::allowed);
-    if (value && text.empty()) return *value;
+    if (value && text.empty() && std::abs(*value) <= largest_number) return *value;
     return fail(
         diagnose("VER0203", fmt::format("column {} has no number", header_[column]), std::string(fields_[column])));
 }

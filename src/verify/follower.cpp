@@ -14,7 +14,7 @@ constexpr double tie_mm2 = 1e-12;
 }  // namespace
 
 void Follower::step(const Gauge& row) {
-    joint_length_ = std::numeric_limits<double>::quiet_NaN();
+    joint_tool_.length_mm = std::numeric_limits<double>::quiet_NaN();
     const std::uint32_t last = last_to_look_at(row);
     advance(row, last);
     drop_hopeless();
@@ -29,7 +29,7 @@ std::uint32_t Follower::last_to_look_at(const Gauge& row) {
     std::uint32_t last = first_;
     if (!now_.empty()) {
         const State& state = now_[best()];
-        const double moved = (line_.heights().joint(row, 0) - line_.heights().joint(last_row_, 0)).norm();
+        const double moved = (joint_of(row, {}, line_.flank_mm()) - joint_of(last_row_, {}, line_.flank_mm())).norm();
         front = pieces[first_ + best()].way_mm;
         ahead += 2 * moved;
         moved_since_look_ += moved;
@@ -47,9 +47,9 @@ std::uint32_t Follower::last_to_look_at(const Gauge& row) {
 /// Square of the distance from a piece's chord.
 double Follower::distance2(const Gauge& row, std::size_t index) {
     const auto& piece = line_.pieces()[index];
-    if (piece.tool_length_mm != joint_length_) {
-        joint_length_ = piece.tool_length_mm;
-        joint_ = line_.heights().joint(row, joint_length_);
+    if (!(piece.tool == joint_tool_)) {
+        joint_tool_ = piece.tool;
+        joint_ = joint_of(row, joint_tool_, line_.flank_mm());
     }
     const Joint6 off = joint_ - piece.begin;
     const double share = piece.chord2 > 0 ? std::clamp(off.dot(piece.chord) / piece.chord2, 0.0, 1.0) : 0.0;

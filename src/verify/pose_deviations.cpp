@@ -12,10 +12,10 @@ constexpr std::ptrdiff_t least_stops = 40, most_stops = 4000;  // looked at to e
 
 }  // namespace
 
-Distance distance_between(const Joint6& a, const Joint6& b, const Heights& heights) {
+Distance distance_between(const Joint6& a, const Joint6& b, const ToolHeights& tool, double flank_mm) {
     const Joint6 off = a - b;
-    const Eigen::Vector3d axis = off.tail<3>() / heights.flank_mm;
-    const Eigen::Vector3d tip = off.head<3>() - heights.controlled_mm * axis;
+    const Eigen::Vector3d axis = off.tail<3>() / flank_mm;
+    const Eigen::Vector3d tip = off.head<3>() - tool.controlled_mm * axis;
     return {off.head<3>().norm(), (tip + off.tail<3>()).norm(), 2 * std::asin(std::min(1.0, axis.norm() / 2))};
 }
 
@@ -33,8 +33,10 @@ PosePasses::PosePasses(const ProgrammedLine& line, const std::vector<Gauge>& row
     }
 }
 
-PosePasses::Pass PosePasses::at(std::size_t pose, const Joint6& point) const {
-    const double way = line_.way_of(pose), length = line_.tool_length_mm(pose);
+PosePasses::Pass PosePasses::at(std::size_t pose, const ProgrammedPose& programmed) const {
+    const double way = line_.way_of(pose);
+    const ToolHeights& tool = line_.tool_at(pose);
+    const Joint6 point = joint_of(programmed.tip_mm, programmed.axis, tool, line_.flank_mm());
     const auto by_way = [](const Stop& stop, double x) { return stop.way_mm < x; };
     const auto count = static_cast<std::ptrdiff_t>(stops_.size());
     const auto find = [&](double x) {
@@ -44,7 +46,7 @@ PosePasses::Pass PosePasses::at(std::size_t pose, const Joint6& point) const {
     const auto low = std::clamp(find(way - window_mm_), middle - most_stops, middle - least_stops);
     const auto high = std::clamp(find(way + window_mm_), middle + least_stops, middle + most_stops);
     const auto joint = [&](std::ptrdiff_t stop) {
-        return line_.heights().joint(rows_[stops_[static_cast<std::size_t>(stop)].row], length);
+        return joint_of(rows_[stops_[static_cast<std::size_t>(stop)].row], tool, line_.flank_mm());
     };
     double best2 = std::numeric_limits<double>::infinity();
     Joint6 best = point;
@@ -62,7 +64,7 @@ PosePasses::Pass PosePasses::at(std::size_t pose, const Joint6& point) const {
         if (off2 < best2) best2 = off2, best = foot, best_stop = stop;
         begin = end;
     }
-    return {distance_between(best, point, line_.heights()), stops_[static_cast<std::size_t>(best_stop)].row};
+    return {distance_between(best, point, tool, line_.flank_mm()), stops_[static_cast<std::size_t>(best_stop)].row};
 }
 
 }  // namespace trunnion::verify

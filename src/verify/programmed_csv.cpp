@@ -133,6 +133,7 @@ Result<ProgrammedPose> read_pose(const CsvRows& csv, const Columns& columns) {
         const auto word = csv.number(*columns.rotary[r]);
         if (!word) return fail(word.error());
         pose.rotary_rad[r] = *word * degree;
+        pose.literal = pose.kind == PoseKind::rotary;
     }
     return pose;
 }
@@ -176,6 +177,7 @@ Result<std::vector<ProgrammedPose>> read_programmed_csv(std::string_view text, c
         poses.push_back(*pose);
     }
     if (poses.empty()) return fail(csv->diagnose("VER0201", "the table has no poses"));
+    poses.front().stands = poses.back().stands = true;
     return poses;
 }
 

@@ -28,6 +28,11 @@ bool rotary_turn(const ProgrammedPose& from, const ProgrammedPose& to, const mac
     return any;
 }
 
+ToolHeights tool_of(const ProgrammedPose& pose, const ToolHeights& otherwise) {
+    return {std::isnan(pose.tool_length_mm) ? otherwise.length_mm : pose.tool_length_mm,
+            std::isnan(pose.controlled_height_mm) ? otherwise.controlled_mm : pose.controlled_height_mm};
+}
+
 machine::AxisPosition rotary_position(const ProgrammedPose& pose, const machine::Machine& machine,
                                       const machine::Setup& setup) {
     machine::AxisPosition out;
@@ -43,13 +48,15 @@ machine::AxisPosition rotary_position(const ProgrammedPose& pose, const machine:
 }  // namespace
 
 Result<ProgrammedLine> ProgrammedLine::make(const std::vector<ProgrammedPose>& poses, const machine::Machine& machine,
-                                            const machine::Setup& setup, const Chain& chain, Heights heights,
-                                            double longest_piece_mm) {
-    ProgrammedLine line(poses, chain, heights);
+                                            const machine::Setup& setup, const Chain& chain, const ToolHeights& tool,
+                                            double flank_mm, double longest_piece_mm) {
+    ProgrammedLine line(poses, chain, flank_mm);
     line.longest_piece_mm_ = longest_piece_mm;
     line.limit_pieces();
-    for (const ProgrammedPose& pose : poses)
-        line.tool_lengths_.push_back(std::isnan(pose.tool_length_mm) ? setup.tool.length_mm : pose.tool_length_mm);
+    line.tools_.reserve(poses.size());
+    for (const ProgrammedPose& pose : poses) line.tools_.push_back(tool_of(pose, tool));
+    line.way_of_pose_.reserve(poses.size());
+    line.segments_.reserve(poses.size());
     line.way_of_pose_.push_back(0);
     const std::size_t last = std::max<std::size_t>(1, poses.size() - 1);
     for (std::size_t n = 1; n <= last; ++n) {
@@ -68,8 +75,8 @@ Result<ProgrammedLine::Segment> ProgrammedLine::segment_to(std::size_t pose, con
     const ProgrammedPose& from = (*poses_)[pose > 0 ? pose - 1 : 0];
     Segment out;
     out.at_rapid = to.at_rapid;
-    out.tool_length_mm = tool_lengths_[pose];
-    if (pose > 0 && tool_lengths_[pose] != tool_lengths_[pose - 1]) {
+    out.tool = tools_[pose];
+    if (pose > 0 && tools_[pose] != tools_[pose - 1]) {
         out.law = Law::standing;
     } else if (to.kind == PoseKind::rotary && rotary_turn(from, to, machine, out.turn)) {
         out.law = Law::rotary;
@@ -100,7 +107,7 @@ Result<void> ProgrammedLine::cut(Segment segment) {
     segment.first_piece = static_cast<std::uint32_t>(pieces_.size());
     segments_.push_back(segment);
     if (segment.law == Law::standing) return {};
-    const double longest_rad = std::sqrt(8 * chord_error_mm / (heights_.flank_mm + std::abs(heights_.controlled_mm)));
+    const double longest_rad = std::sqrt(8 * chord_error_mm / (flank_mm_ + std::abs(segment.tool.controlled_mm)));
     const double turning = std::ceil(turn_of(segment) / longest_rad);
     turning_pieces_ += turning;
     if (!(turning_pieces_ < most_turning_pieces + static_cast<double>(poses_->size())))
@@ -118,7 +125,7 @@ Result<void> ProgrammedLine::cut(Segment segment) {
         piece.chord = chord;
         piece.chord2 = chord.squaredNorm();
         piece.way_mm = length_mm_;
-        piece.tool_length_mm = segment.tool_length_mm;
+        piece.tool = segment.tool;
         piece.segment = static_cast<std::uint32_t>(index);
         length_mm_ += chord.norm();
         begin = end;
@@ -142,7 +149,7 @@ ProgrammedLine::Sample ProgrammedLine::at(std::size_t index, double w) const {
         turning = chain_->turning(position, segment.turn);
     }
     const Eigen::Vector3d tip = from.tip_mm + w * way;
-    return {heights_.joint(tip, turning.axis), heights_.joint(way, turning.rate)};
+    return {joint_of(tip, turning.axis, segment.tool, flank_mm_), joint_of(way, turning.rate, segment.tool, flank_mm_)};
 }
 
 Place ProgrammedLine::place_at(std::size_t segment, double w) const {
@@ -153,7 +160,7 @@ Place ProgrammedLine::place_at(std::size_t segment, double w) const {
 }
 
 double ProgrammedLine::nearest_share(const Gauge& row, std::size_t segment, double least, double most) const {
-    const Joint6 point = heights_.joint(row, segments_[segment].tool_length_mm);
+    const Joint6 point = joint_of(row, segments_[segment].tool, flank_mm_);
     double w = 0.5 * (least + most);
     for (int n = 0; n < most_refinements; ++n) {
         const Sample here = at(segment, w);

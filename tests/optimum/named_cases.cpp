@@ -14,6 +14,7 @@
 #include "trunnion/files/setup_file.hpp"
 #include "trunnion/nc/read.hpp"
 #include "trunnion/path/path_builder.hpp"
+#include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/smoothing/smoothing.hpp"
 
 #include "reference_optimum.hpp"
@@ -42,7 +43,9 @@ TEST_P(NamedCase, is_within_three_percent_of_the_optimum) {
     const auto program = nc::read_program_file(folder + which.name + (apt ? ".cls" : ".ngc"), reading);
     ASSERT_TRUE(program) << to_string(program.error());
 
-    auto builder = path::PathBuilder::make(*program, *machine, *setup);
+    const auto stands = path::choose_rotary_stands(*program, *machine, *setup);
+    ASSERT_TRUE(stands) << to_string(stands.error());
+    auto builder = path::PathBuilder::make(*program, *machine, *setup, *stands);
     ASSERT_TRUE(builder);
     path::Run run;
     ASSERT_TRUE(builder->next(run).value());
@@ -52,7 +55,7 @@ TEST_P(NamedCase, is_within_three_percent_of_the_optimum) {
     std::vector<path::ToolPath> stretches;
     smoothing::smooth(run, options, stretches);
     ASSERT_EQ(stretches.size(), 1u);
-    const auto axis_path = path::AxisPath::make(stretches[0], *machine, nullptr, builder->home());
+    const auto axis_path = path::AxisPath::make(stretches[0], *machine, stands->front().rotary_rad);
     ASSERT_TRUE(axis_path) << to_string(axis_path.error());
 
     const auto plan = feed::plan_stretch(*axis_path, {});

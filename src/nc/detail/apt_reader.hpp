@@ -24,7 +24,18 @@ struct Numbers {
     Eigen::Vector3d triple(std::size_t first) const { return {value[first], value[first + 1], value[first + 2]}; }
 };
 
-/// Carries out the statements of APT data, one function each; apt.cpp has the table from words to functions.
+/// A CIRCLE or MOVARC record that waits for the GOTO that ends its arc.
+struct WaitingCircle {
+    Eigen::Vector3d centre_mm, normal;
+    double radius_mm = 0;
+    std::optional<double> sweep_rad;  ///< its ANGLE
+    bool by_points = false;           ///< several GOTO may follow, all on the circle
+    int points = 0;                   ///< that have followed
+    double turned_rad = 0;            ///< so far, signed about the normal
+};
+
+/// Carries out the statements of APT data, one function each; apt.cpp has the table from words to functions,
+/// apt_motion.cpp poses and feeds, apt_arc.cpp circles.
 class AptReader {
   public:
     AptReader(std::string_view text, std::string_view file_name, const ReadOptions& options)
@@ -57,6 +68,10 @@ class AptReader {
     bool remark() { return true; }
     bool ignore();
     bool only_off();
+    bool circle();
+    bool arc_ahead();
+    bool initial_direction();
+    bool go_forward();
     bool refuse_curve();
     bool refuse_motion();
 
@@ -66,7 +81,14 @@ class AptReader {
     bool numbers(Numbers& out, bool blanks_separate);
     bool add_pose(const Numbers& pose);
     bool set_axis(const Eigen::Vector3d& vector);
-    bool add_move(const Eigen::Vector3d& position_mm, bool is_rapid);
+    bool add_move(const Eigen::Vector3d& position_mm, bool is_rapid, const program::Arc* arc = nullptr);
+    bool wait_for_end(bool is_circle);
+    bool add_on_circle(const Eigen::Vector3d& end_mm);
+    bool take_angle(const Eigen::Vector3d& start_mm, const Eigen::Vector3d& end_mm, program::Arc& arc);
+    bool add_point_of_circle(const Eigen::Vector3d& end_mm);
+    bool is_on_circle(const Eigen::Vector3d& point_mm) const;
+    bool add_driven_arc(const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& normal, double radius_mm,
+                        const Eigen::Vector3d& end_mm, bool second_crossing);
     bool cutting_feed(program::Feed& feed);
     bool event(program::EventKind kind, bool stops, double dwell_s = 0);
     bool feed_unit(std::string_view word, double& scale);
@@ -82,6 +104,8 @@ class AptReader {
     double unit_mm_ = 1;
     std::optional<double> feed_mm_s_;
     Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();
+    std::optional<WaitingCircle> circle_;
+    std::optional<Eigen::Vector3d> direction_;  ///< of INDIRV, for the motion that follows
     std::uint16_t tool_ = 0;
     bool rapid_next_ = false, axis_held_ = false, words_seen_ = false, finished_ = false;
 };

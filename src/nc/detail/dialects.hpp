@@ -8,6 +8,7 @@ namespace trunnion::nc {
 
 /// One reader per dialect. The text has no byte-order mark, no NUL and is shorter than 2 GB.
 Result<program::Program> read_apt(std::string_view text, std::string_view file_name, const ReadOptions& options);
+Result<program::Program> read_sinumerik(std::string_view text, std::string_view file_name, const ReadOptions& options);
 Result<program::Program> read_rs274(std::string_view text, std::string_view file_name, const ReadOptions& options);
 
 /// Whether APT data knows this major word (capitals), be it to use, ignore or refuse it.

@@ -9,10 +9,11 @@
 
 namespace trunnion::nc {
 
-/// Line and column in the text, from 1; 0 = unknown.
+/// Line and column in the text, from 1; 0 = unknown. `file` names another file than the one that is read; else empty.
 struct Spot {
     int line = 0;
     int column = 0;
+    std::string_view file{};
 };
 
 /// What a reader has to say besides the program: the one error that ends it, and warnings, each once with its count.
@@ -24,6 +25,13 @@ class Findings {
     bool refuse(std::string_view code, Spot spot, std::string text, std::string_view value = {},
                 std::string_view hint = {}) {
         error_ = diagnostic(code, Severity::error, spot, std::move(text), value, hint);
+        return false;
+    }
+
+    /// The same for a diagnostic from elsewhere, placed here.
+    bool refuse(Spot spot, Diagnostic found) {
+        error_ = std::move(found);
+        error_.place = place(spot);
         return false;
     }
 
@@ -44,12 +52,15 @@ class Findings {
     std::vector<Diagnostic> take_notices() { return std::move(notices_); }
 
   private:
+    Place place(Spot spot) const {
+        return {.file = spot.file.empty() ? file_ : std::string(spot.file), .line = spot.line, .column = spot.column};
+    }
     Diagnostic diagnostic(std::string_view code, Severity severity, Spot spot, std::string text, std::string_view value,
                           std::string_view hint) const {
         return {.code = std::string(code),
                 .severity = severity,
                 .text = std::move(text),
-                .place = {.file = file_, .line = spot.line, .column = spot.column},
+                .place = place(spot),
                 .value = std::string(value),
                 .hint = std::string(hint)};
     }

@@ -21,26 +21,28 @@
 
 namespace trunnion::nc {
 
-inline constexpr double unknown_word =
-    std::numeric_limits<double>::quiet_NaN();  ///< of a coordinate that no block has said yet
+/// Of a coordinate that no block has said yet, or not in this frame: the axis stays where it stands.
+inline constexpr double unknown_word = std::numeric_limits<double>::quiet_NaN();
 
 using RotaryWords = std::array<double, program::max_rotary_letters>;
 
-/// In what the linear words count.
+/// In what the linear words count. Of machine positions neither offset nor tool matter: they are 0.
 struct Frame {
     program::Space space = program::Space::workpiece;
-    std::uint16_t offset = 0;
+    std::uint16_t offset = 0, tool = 0;
     bool operator==(const Frame&) const = default;
 };
 
 /// The words that stay in force from block to block.
 struct Modal {
     Meaning motion = Meaning::no_motion;
-    bool absolute = true, inverse_time = false, exact_stop = false, tcp = true;
+    bool absolute = true, centre_absolute = false, inverse_time = false, exact_stop = false, tcp = true;
+    int plane_normal = 2;  ///< of X, Y, Z
     double unit_mm = 1;
     double feed_per_s = 0;  ///< F/60 in mm or inch as it was given; 0 = none
     double feed_unit_mm = 1;
     std::uint16_t offset = 0, tool = 0;
+    std::optional<std::uint16_t> length_tool;  ///< of G43 H; else the tool in the spindle
     std::optional<double> prepared_tool;
 };
 
@@ -62,7 +64,7 @@ inline std::string name_of(const Code& code) {
 }
 
 /// Carries out the blocks of a G-code program. rs274.cpp: words and modes; rs274_motion.cpp: where a block goes, how
-/// fast, and which poses are kept.
+/// fast, and which poses are kept; rs274_arc.cpp: circles.
 class Rs274Reader {
   public:
     Rs274Reader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control)
@@ -96,9 +98,17 @@ class Rs274Reader {
     void units();
     bool modes();
     bool offset();
+    bool tool_length();
+    Meaning motion_in_force() const;
+    bool moves_on_arc() const;
     bool motion();
+    void enter(const Frame& frame);
     bool target();
     bool axis_word(char letter);
+    bool arc_from(Eigen::Vector3d start_mm, program::Move& move);
+    bool check_arc_words();
+    Eigen::Vector3d centre_from(const Eigen::Vector3d& start_mm) const;
+    bool turns_only(const program::Move& move) const;
     bool feed_of(program::Move& move);
     bool add(program::Move& move);
     void stops();
@@ -116,8 +126,12 @@ class Rs274Reader {
                 std::string_view hint = {}) {
         return findings_.refuse(code, spot, std::move(text), value, hint);
     }
+    /// The first axis word, else the word that asks for the motion, else a letter of the arc.
     Spot spot_of_motion() const {
-        return {block_.line, block_.column[static_cast<std::size_t>(std::countr_zero(axes_))]};
+        if (axes_ == 0 && request_.of(Group::motion) != Meaning::unknown)
+            return {block_.line, request_.code_of(Group::motion).column};
+        const std::uint32_t letters = axes_ != 0 ? axes_ : block_.present;
+        return {block_.line, block_.column[static_cast<std::size_t>(std::countr_zero(letters))]};
     }
 
     Findings findings_;

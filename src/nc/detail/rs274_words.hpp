@@ -34,16 +34,23 @@ enum class Group : std::uint8_t {
 
 enum class Meaning : std::uint8_t {
     unknown,
-    arc,
+    spline,
     changes_motion,  // refused
     harmless,        // nothing that is planned here depends on it
     rapid,
     feed,
+    clockwise_arc,
+    counter_clockwise_arc,
     no_motion,
     dwell,
     machine_position,
+    plane,
     absolute,
     incremental,
+    absolute_centre,
+    incremental_centre,
+    tool_length,
+    own_tool_length,
     per_minute,
     inverse_time,
     inch,
@@ -57,6 +64,10 @@ enum class Meaning : std::uint8_t {
     tool_change,
     coolant
 };
+
+constexpr bool is_arc(Meaning meaning) {
+    return meaning == Meaning::clockwise_arc || meaning == Meaning::counter_clockwise_arc;
+}
 
 struct WordRule {
     Meaning meaning = Meaning::unknown;

@@ -24,7 +24,7 @@ class CsvRows {
     /// Goes to the next row; false at the end. Error: VER0204 not as many fields as the header.
     Result<bool> next();
     std::string_view field(std::size_t column) const { return fields_[column]; }
-    /// Error: VER0203.
+    /// Error: VER0203, also for a number beyond ±1e12.
     Result<double> number(std::size_t column) const;
     int line() const { return line_; }
 

@@ -58,7 +58,7 @@ class Follower {
     std::vector<Row> rows_;             // not settled
     std::vector<std::uint32_t> trail_;  // for every piece looked at in those rows: the piece of the row before
     std::vector<std::uint32_t> settled_;
-    double joint_length_ = 0;  // tool length that joint_ is for
+    ToolHeights joint_tool_;  // that joint_ is for
     Joint6 joint_ = Joint6::Zero();
 };
 

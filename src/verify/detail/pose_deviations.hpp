@@ -14,7 +14,7 @@ struct Distance {
     double angle_rad = 0;
 };
 
-Distance distance_between(const Joint6& a, const Joint6& b, const Heights& heights);
+Distance distance_between(const Joint6& a, const Joint6& b, const ToolHeights& tool, double flank_mm);
 
 /// How far the motion passes from programmed poses: the nearest point of its chords around the place in order.
 class PosePasses {
@@ -27,7 +27,7 @@ class PosePasses {
         Distance distance;
         std::size_t row = 0;  ///< where the chord begins
     };
-    Pass at(std::size_t pose, const Joint6& point) const;
+    Pass at(std::size_t pose, const ProgrammedPose& programmed) const;
 
   private:
     struct Stop {

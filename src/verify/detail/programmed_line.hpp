@@ -17,19 +17,23 @@ namespace trunnion::verify {
 /// Controlled point (mm) and flank height · tool axis (mm): the space in which motion and programme are compared.
 using Joint6 = Eigen::Matrix<double, 6, 1>;
 
-/// What turns a pose into six numbers.
-struct Heights {
-    double flank_mm = 30;
+/// What of a tool matters: gauge line → tip, and tip → controlled point.
+struct ToolHeights {
+    double length_mm = 0;
     double controlled_mm = 0;
-    Joint6 joint(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis) const {
-        Joint6 out;
-        out << tip_mm + controlled_mm * axis, flank_mm * axis;
-        return out;
-    }
-    Joint6 joint(const Gauge& gauge, double tool_length_mm) const {
-        return joint(gauge.tip_mm(tool_length_mm), gauge.axis);
-    }
+    bool operator==(const ToolHeights&) const = default;
 };
+
+inline Joint6 joint_of(const Eigen::Vector3d& tip_mm, const Eigen::Vector3d& axis, const ToolHeights& tool,
+                       double flank_mm) {
+    Joint6 out;
+    out << tip_mm + tool.controlled_mm * axis, flank_mm * axis;
+    return out;
+}
+
+inline Joint6 joint_of(const Gauge& gauge, const ToolHeights& tool, double flank_mm) {
+    return joint_of(gauge.tip_mm(tool.length_mm), gauge.axis, tool, flank_mm);
+}
 
 /// A place on the programmed path: share w of the way from poses[segment] to poses[segment + 1].
 struct Place {
@@ -47,7 +51,7 @@ class ProgrammedLine {
         Law law = Law::straight;
         bool at_rapid = false;
         std::uint32_t first_piece = 0, pieces = 0;  ///< none: the tool is changed
-        double tool_length_mm = 0;
+        ToolHeights tool;
         double angle_rad = 0;                              ///< law plane
         Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< law plane: unit, normal to the first axis, in the plane
         machine::AxisPosition from, turn;                  ///< law rotary: axes at the start, and how far they turn
@@ -56,22 +60,23 @@ class ProgrammedLine {
         Joint6 begin = Joint6::Zero(), chord = Joint6::Zero();
         double chord2 = 0;  ///< |chord|²
         double way_mm = 0;  ///< where it begins
-        double tool_length_mm = 0;
+        ToolHeights tool;
         std::uint32_t segment = 0;
     };
 
-    /// Keeps references to `poses` and `chain`. Pieces grow longer than `longest_piece_mm` where a path would have more
-    /// than two million of them.
-    /// Errors: VER0105, VER0302, VER0304.
+    /// Keeps references to `poses` and `chain`. What a pose leaves open of its tool is that of `tool`. Pieces grow
+    /// longer than `longest_piece_mm` where a path would have more than two million of them. Errors: VER0105, VER0302,
+    /// VER0304.
     static Result<ProgrammedLine> make(const std::vector<ProgrammedPose>& poses, const machine::Machine& machine,
-                                       const machine::Setup& setup, const Chain& chain, Heights heights,
-                                       double longest_piece_mm);
+                                       const machine::Setup& setup, const Chain& chain, const ToolHeights& tool,
+                                       double flank_mm, double longest_piece_mm);
 
     const std::vector<Piece>& pieces() const { return pieces_; }
     const std::vector<Segment>& segments() const { return segments_; }
-    const Heights& heights() const { return heights_; }
+    double flank_mm() const { return flank_mm_; }
     double length_mm() const { return length_mm_; }
-    double tool_length_mm(std::size_t pose) const { return tool_lengths_[pose]; }
+    /// In use at a pose.
+    const ToolHeights& tool_at(std::size_t pose) const { return tools_[pose]; }
     /// Way from the start to a pose.
     double way_of(std::size_t pose) const { return way_of_pose_[pose]; }
 
@@ -86,8 +91,8 @@ class ProgrammedLine {
     Place refine(const Gauge& row, std::size_t piece) const;
 
   private:
-    ProgrammedLine(const std::vector<ProgrammedPose>& poses, const Chain& chain, Heights heights)
-        : poses_(&poses), chain_(&chain), heights_(heights) {}
+    ProgrammedLine(const std::vector<ProgrammedPose>& poses, const Chain& chain, double flank_mm)
+        : poses_(&poses), chain_(&chain), flank_mm_(flank_mm) {}
     Result<Segment> segment_to(std::size_t pose, const machine::Machine& machine, const machine::Setup& setup) const;
     double turn_of(const Segment& segment) const;
     void limit_pieces();
@@ -98,10 +103,11 @@ class ProgrammedLine {
 
     const std::vector<ProgrammedPose>* poses_;
     const Chain* chain_;
-    Heights heights_;
+    double flank_mm_;
     std::vector<Segment> segments_;
     std::vector<Piece> pieces_;
-    std::vector<double> tool_lengths_, way_of_pose_;
+    std::vector<ToolHeights> tools_;
+    std::vector<double> way_of_pose_;
     double longest_piece_mm_ = 0;
     double turning_pieces_ = 0;
     double length_mm_ = 0;

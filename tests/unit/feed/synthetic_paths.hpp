@@ -38,7 +38,7 @@ struct Stretch {
     void close() {
         kinematics = std::make_unique<machine::Kinematics>(*machine::Kinematics::make(machine, machine::Frame{}, 0));
         tool_path.kinematics = kinematics.get();
-        auto made = path::AxisPath::make(tool_path, machine, nullptr, machine::AxisPosition{});
+        auto made = path::AxisPath::make(tool_path, machine, machine::RotaryPosition{});
         if (made) axis_path = std::make_unique<path::AxisPath>(std::move(*made));
     }
 };

@@ -220,7 +220,7 @@ TEST(MachineFile, RefusesAxesInOtherNumbers) {
 
 TEST(MachineFile, RefusesGeometryThatCannotBeSolved) {
     EXPECT_EQ(refusal_of(with("point =", "direction = [1, 1, 0]\npoint =")).code, "");
-    EXPECT_EQ(refusal_of(with("point =", "direction = [1, 0, 1]\npoint =")).code, "MACH0103");
+    EXPECT_EQ(refusal_of(with("point =", "direction = [0, 0, 1]\npoint =")).code, "MACH0103");
     EXPECT_EQ(refusal_of(with("\nrapid", "\ndirection = [0, 1, 0]\nrapid")).code, "MACH0101");
 }
 
@@ -241,7 +241,7 @@ TEST(ShippedMachines, AnUnknownNameListsThem) {
         const auto found = files::find_machine(name, folders);
         ASSERT_FALSE(found);
         EXPECT_EQ(found.error().code, "FILE0112");
-        EXPECT_NE(found.error().hint.find("ucp710, xyzac-trt"), std::string::npos) << found.error().hint;
+        EXPECT_NE(found.error().hint.find("ucp710, xyzab-tdr"), std::string::npos) << found.error().hint;
     }
     EXPECT_EQ(files::find_machine("no/such.toml", folders).error().code, "FILE0101");
     EXPECT_TRUE(files::shipped_machines({}).empty());

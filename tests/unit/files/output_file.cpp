@@ -2,8 +2,10 @@
 
 #include <filesystem>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace trunnion::files {
@@ -64,15 +66,28 @@ TEST_F(OutputFileTest, compresses_by_name_and_reads_it_back) {
     EXPECT_EQ(read_whole_file(folder_ / "a.csv.gz").value(), text);
 }
 
+TEST_F(OutputFileTest, writes_to_a_pipe_as_it_is) {
+    const auto pipe = folder_ / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+    auto file = OutputFile::create(pipe);
+    ASSERT_TRUE(file);
+    file->write("one\n");
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(std::filesystem::status(pipe).type(), std::filesystem::file_type::fifo);
+    char got[8] = {};
+    EXPECT_EQ(::read(reader, got, sizeof got), 4);
+    EXPECT_STREQ(got, "one\n");
+    EXPECT_EQ(files_there(), 1U);
+    ::close(reader);
+}
+
 TEST_F(OutputFileTest, says_what_cannot_be_written_or_read) {
     EXPECT_EQ(OutputFile::create(folder_ / "no/such/folder/a.csv").error().code, "FILE0201");
     EXPECT_EQ(read_whole_file(folder_ / "missing").error().code, "FILE0203");
     EXPECT_EQ(read_whole_file(folder_).error().code, "FILE0203");
     std::filesystem::create_directory(folder_ / "taken");
-    auto file = OutputFile::create(folder_ / "taken");
-    ASSERT_TRUE(file);
-    file->write("x");
-    EXPECT_EQ(file->commit().error().code, "FILE0202");
+    EXPECT_EQ(OutputFile::create(folder_ / "taken").error().code, "FILE0201");
     EXPECT_EQ(files_there(), 1u);
 }
 

@@ -112,6 +112,44 @@ TEST(SetupFile, RefusesToolsThatContradictThemselves) {
         "");
 }
 
+TEST(SetupFile, ToolsAndOffsetsByTheNamesThatProgramsCall) {
+    const auto read = files::read_setup(R"(
+[tools.8]
+length = "80 mm"
+[tools."8 D2"]
+length = "75 mm"
+[tools."SCHAFT 12"]
+length = "60 mm"
+[tools.0]
+length = "0 mm"
+[offsets.G54]
+origin = ["1 mm", "2 mm", "3 mm"]
+rotation = { axis = [0, 0, 1], angle = "30 deg" }
+[offsets."G59.1"]
+origin = ["4 mm", "0 mm", "0 mm"]
+)",
+                                        "s.toml");
+    ASSERT_TRUE(read) << to_string(read.error());
+    EXPECT_EQ(read->tool_named("8")->length_mm, 80);
+    EXPECT_EQ(read->tool_named("8 D2")->length_mm, 75);
+    EXPECT_EQ(read->tool_named("8 D0")->length_mm, 0);
+    EXPECT_EQ(read->tool_named("SCHAFT 12")->length_mm, 60);
+    EXPECT_EQ(read->tool_named("8 D3"), nullptr);
+    EXPECT_NEAR(read->offsets.at("G54").rotation(1, 0), 0.5, 1e-15);
+    EXPECT_EQ(read->offsets.at("G54").origin_mm, Vector3d(1, 2, 3));
+    EXPECT_EQ(read->offsets.at("G59.1").origin_mm.x(), 4);
+}
+
+TEST(SetupFile, RefusesToolNamesThatNoProgramCalls) {
+    for (const char* name : {"08", "\"8 D1\"", "\"8 D0\"", "\" 8\"", "\"8 \"", "\"\""})
+        EXPECT_EQ(code_of(std::string("[tools.").append(name) + "]\nlength = \"1 mm\"\n"), "FILE0115") << name;
+    EXPECT_EQ(code_of("[tools.\"8 D2\"]\nlenght = \"1 mm\"\n"), "FILE0104");
+    EXPECT_EQ(code_of("[tools.8]\nlength = \"1 mm\"\n[tools.8]\n"), "FILE0102");
+    EXPECT_EQ(code_of("[tools]\n8 = 3\n"), "FILE0105");
+    EXPECT_EQ(code_of("[offsets.G54]\nrotation = \"30 deg\"\n"), "FILE0105");
+    EXPECT_EQ(code_of("[offsets.G54]\norigin = [\"1 deg\", \"0 mm\", \"0 mm\"]\n"), "BASE0004");
+}
+
 TEST(SetupFile, TakesTheSetupOfTheNamedCases) {
     const auto path = std::filesystem::path(TRUNNION_SHARED_DIR) / "data/cases/peer-setup.toml";
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";

@@ -56,7 +56,7 @@ struct Straight {
 
 TEST(Interpolator, follows_the_time_law_through_pieces_and_blocks) {
     const Straight s;
-    const auto path = AxisPath::make(s.tool_path, s.machine, nullptr, {});
+    const auto path = AxisPath::make(s.tool_path, s.machine, {});
     ASSERT_TRUE(path);
     Interpolator interpolator(*path, s.profile);
     const double cruise = 0.2 / 3.0, end = 0.2 + cruise;
@@ -78,7 +78,7 @@ TEST(Interpolator, follows_the_time_law_through_pieces_and_blocks) {
 
 TEST(Interpolator, stands_before_the_start_and_behind_the_end) {
     const Straight s;
-    const auto path = AxisPath::make(s.tool_path, s.machine, nullptr, {});
+    const auto path = AxisPath::make(s.tool_path, s.machine, {});
     Interpolator interpolator(*path, s.profile);
     EXPECT_EQ(interpolator.at(-1).position[0], 5);
     EXPECT_EQ(interpolator.at(0).tip_speed_mm_s, 0);

@@ -171,5 +171,79 @@ TEST(Apt, TheAxisMayBeSetAlone) {
     for (const auto& move : p->moves) EXPECT_EQ(move.axis, Eigen::Vector3d::UnitY());
 }
 
+/// The angles in degrees of the arcs of a program that starts at 5, 0, 0 with the statements given; 0: a straight move.
+std::vector<double> angles_of(std::string_view statements) {
+    const auto p = read(std::string("UNITS/MM\nFEDRAT/60\nGOTO/5,0,0,0,0,1\n").append(statements));
+    EXPECT_TRUE(p) << statements << "\n" << said(p);
+    std::vector<double> out;
+    if (!p) return out;
+    for (std::size_t i = 1; i < p->moves.size(); ++i) {
+        const std::int32_t arc = p->moves[i].arc;
+        out.push_back(arc == program::no_arc
+                          ? 0
+                          : p->arcs.at(static_cast<std::size_t>(arc)).angle_rad *
+                                (p->arcs[static_cast<std::size_t>(arc)].normal.z() > 0 ? 1 : -1) / degree);
+    }
+    return out;
+}
+
+void expect_angles(std::string_view statements, const std::vector<double>& expected) {
+    const auto angles = angles_of(statements);
+    ASSERT_EQ(angles.size(), expected.size()) << statements;
+    for (std::size_t i = 0; i < angles.size(); ++i) EXPECT_NEAR(angles[i], expected[i], 1e-9) << statements << i;
+}
+
+TEST(AptArcs, OneGotoTurnsInTheRightHandSenseAboutTheNormal) {
+    expect_angles("CIRCLE/0,0,0,0,0,1,5\nGOTO/0,5,0\n", {90});
+    expect_angles("CIRCLE/0,0,0,0,0,-1,5\nGOTO/0,5,0\n", {-270});
+    expect_angles("CIRCLE / 0, 0, 0, $\n 0, 0, 2, 5\nGOTO/0,5,0\nFEDRAT/30\nGOTO/3,4,0\n", {90, 0});
+    expect_angles("CIRCLE/0,0,0,0,0,1,5,.002,.5,1,0\nGOTO/0,5,0\nGOTO/-5,0,0\n", {90, 0});
+    expect_angles("CIRCLE/0,0,0,0,0,-1,5,.002,.5,1,0\nGOTO/5,0,0\n", {-360});
+    expect_angles("MOVARC/0,0,0,0,0,1,5\nGOTO/0,5,-2\nGOTO/0,4,0\n", {90, 0});
+    expect_angles("MOVARC/ CENTER, 0,0,0, AXIS, 0,0,1, RADIUS, 5\nGOTO/0,5,0\n", {90});
+}
+
+TEST(AptArcs, AnAngleSaysTheSenseAndTheTurns) {
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,90\nGOTO/0,5,0\n", {90});
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,270\nGOTO/0,5,0\n", {-270});
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,-270\nGOTO/0,5,0\n", {-270});
+    expect_angles("MOVARC/0,0,0,0,0,-1,5,ANGLE,270\nGOTO/0,5,0\n", {-270});
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,810\nGOTO/0,5,-3\n", {810});
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,360\nGOTO/5,0,0\n", {360});
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,-720\nGOTO/5,0,-1\n", {-720});
+    expect_angles("MOVARC/0,0,0,0,0,1,5,ANGLE,180\nGOTO/-5,0,0\n", {180});
+}
+
+TEST(AptArcs, SeveralPointsGoTheShorterWay) {
+    expect_angles("CIRCLE/0,0,0,0,0,1,5\nGOTO/3,-4,0\nGOTO/0,-5,0\nGOTO/-5,0,0\nFEDRAT/9\nGOTO/0,0,0\n",
+                  {-53.13010235415598, -36.86989764584402, -90, 0});
+    expect_angles("CIRCLE/0,0,0,0,0,-1,5\nGOTO/0,5,0\nGOTO/-5,0,0\nGOTO/-6,0,0\nGOTO/-5,0,0\n", {90, 90, 0, 0});
+    expect_angles("CIRCLE/0,0,0,0,0,1,5\nGOTO/0,5,0\nGOTO/-5,0,0\nGOTO/0,-5,0\nGOTO/5,0,0\n", {90, 90, 90, 90});
+    expect_angles("CIRCLE/0,0,0,0,0,1,5\nGOTO/0,5,0\nGOTO/-5,0,-3\n", {90, 0});
+    expect_angles("CIRCLE/0,0,0,0,0,1,5\nGOTO/-5,0,0\nGOTO/5,0,0\n", {180, 180});
+}
+
+TEST(AptArcs, DrivenAlongACircleToALine) {
+    expect_angles("AUTOPS\nINDIRV/0,1,0\nTLON,GOFWD/ (CIRCLE/ 0,0,0,$\n 5),ON,(LINE/ 0,0,0,$\n 0,5,0)\nGOTO/0,6,0\n",
+                  {90, 0});
+    expect_angles("INDIRV/0,-1,0\nTLON,GOFWD/(CIRCLE/0,0,0,5),ON,2,INTOF,(LINE/0,0,0,0,5,0)\n", {-270});
+    expect_angles("INDIRV/.5,-.1,0\nTLON,GOFWD/CIRCLE/0,0,0,5,ON,2,INTOF,LINE/0,0,0,5,0,0\n", {-360});
+    expect_angles("INDIRV/0,2,0\nTLON,GOFWD/(CIRCLE/CANON,0,0,9,0,0,-1,5),ON,(LINE/0,0,0,-5,0,0)\n", {180});
+}
+
+TEST(AptArcs, LengthsInInchesAndTheToolTurnsAlong) {
+    const auto p = read(
+        "UNITS/INCHES\nFEDRAT/60\nGOTO/1,0,2,0,0,1\nCIRCLE/0,0,2,0,0,1,1\nGOTO/0,1.0003,2,0,1,0\n"
+        "CIRCLE/0,0,0,0,1,0,1\n");
+    ASSERT_FALSE(p) << "the last circle has no end";
+    const auto whole = read("UNITS/INCHES\nFEDRAT/60\nGOTO/1,0,2,0,0,1\nCIRCLE/0,0,2,0,0,1,1\nGOTO/0,1.0003,2,0,1,0\n");
+    ASSERT_TRUE(whole) << said(whole);
+    EXPECT_LT((whole->arcs.at(0).centre_mm - Eigen::Vector3d(0, 0, 50.8)).norm(), 1e-12);
+    EXPECT_NEAR(whole->arcs[0].angle_rad, 90 * degree, 1e-12);
+    EXPECT_EQ(whole->moves[1].axis, Eigen::Vector3d::UnitY());
+    EXPECT_EQ(whole->moves[1].law, program::OrientationLaw::vector);
+    EXPECT_DOUBLE_EQ(whole->moves[1].feed.value, inch_mm);
+}
+
 }  // namespace
 }  // namespace trunnion::nc

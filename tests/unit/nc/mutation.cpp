@@ -22,10 +22,13 @@ struct Random {
 
 constexpr std::string_view seeds[] = {
     "%\nN1 (a) G21 G90 G94 G54\nT8 M6 S3500 M3\nG0 X0 Y0 Z10 A0 C0 ; b\ng1x  1.5y- 2z.5a+30.c11f600\nG91 X2\nG4 P2.5\n"
-    "G93 G1 A45 F3\nM429\nG90 G0 X1 Y1 Z1\nM428 G53 X0 Y0 Z0\nG20 G61 G0 X1 Y1 Z1 E4\n/X4\nM30\n%\n",
+    "G93 G1 A45 F3\nM429\nG90 G0 X1 Y1 Z1\nM428 G53 X0 Y0\nG0 X0 Y5\nG3 X5 Y0 Z-2 J-5\nG18 G2 X0 R9 P2\nG43 H2\nG20 "
+    "G61 G0 X1 Y1 Z1 E4\n/X4\nM30\n%\n",
     "PARTNO a\nUNITS/MM\nPPWORD/A,1\nLOADTL/8\nMULTAX/ON\nFROM/0,0,9,0,0,1\nRAPID\nGOTO/0,0,1\nFEDRAT/6,MMPM\n"
     "GOTO / 1.5, -2.,.5, $ c\n 0.0, 0.6, $\n0.8 $$ "
-    "d\nDELAY/2\nMSYS/0,0,0,1,0,0,0,1,0\nTLAXIS/0,0,1\ngoto/2,0,0\nFINI\n",
+    "d\nDELAY/2\nMSYS/0,0,0,1,0,0,0,1,0\nTLAXIS/0,0,1\ngoto/5,0,0\n"
+    "CIRCLE/0,0,0,0,0,1,5\nGOTO/0,5,0\nGOTO/-5,0,0\nMOVARC/0,0,0,0,0,-1,5,ANGLE,90\nGOTO/0,5,0\nINDIRV/1,0,0\n"
+    "TLON,GOFWD/(CIRCLE/0,0,0,5),ON,(LINE/0,0,0,5,0,0)\nFINI\n",
     "0 0 0 0 0 1\n1 2 3 0 0.6 0.8\n1,2,4,0.6,0,0.8\n-1e-5 2 .5 0 0 1\n",
 };
 constexpr std::string_view pieces[] = {"$",
@@ -80,8 +83,16 @@ std::string mutated(std::string text, Random& random) {
 
 void expect_sound(const program::Program& p) {
     ASSERT_GE(p.moves.size(), 2u);
+    ASSERT_TRUE(p.moves[0].position_mm.allFinite());
+    ASSERT_EQ(p.moves[0].arc, program::no_arc);
+    for (const program::Arc& arc : p.arcs) {
+        ASSERT_TRUE(arc.centre_mm.allFinite());
+        ASSERT_NEAR(arc.normal.norm(), 1, 1e-12);
+        ASSERT_TRUE(std::isfinite(arc.angle_rad) && arc.angle_rad != 0);
+    }
     for (const program::Move& move : p.moves) {
-        ASSERT_TRUE(move.position_mm.allFinite());
+        ASSERT_FALSE(move.position_mm.array().isInf().any());
+        ASSERT_LT(move.arc, static_cast<std::int32_t>(p.arcs.size()));
         ASSERT_NEAR(move.axis.norm(), 1, 1e-12);
         for (const double word : move.rotary_rad) ASSERT_TRUE(std::isfinite(word));
         ASSERT_TRUE(std::isfinite(move.feed.value) && move.feed.value >= 0);
@@ -97,7 +108,7 @@ TEST(Mutations, ReadOrRefusedButSound) {
     RecordProperty("seed", std::to_string(seed));
     Random random{seed};
     int read = 0, refused = 0;
-    for (int i = 0; i < 6000; ++i) {
+    for (int i = 0; i < 9000; ++i) {
         const std::string text = mutated(std::string(seeds[random.below(std::size(seeds))]), random);
         ReadOptions options;
         options.feed_given_elsewhere = random.below(2) == 0;

@@ -1,5 +1,7 @@
 #include <cmath>
+#include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "trunnion/base/quantity.hpp"
@@ -29,7 +31,7 @@ TEST(Rs274, WholeProgram) {
         "M1\n"
         "G55 X0 Y0 Z0\n"
         "M30\n"
-        "G2 X9\n"
+        "G1 X9\n"
         "%\n");
     ASSERT_TRUE(p) << said(p);
     EXPECT_EQ(p->dialect, "rs274");
@@ -156,7 +158,8 @@ TEST(Rs274, WordsOfTheControl) {
     EXPECT_EQ(told(*p, "NC0012", "E")->count, 2);
     EXPECT_EQ(p->diagnostics.size(), 1u) << "M64 passes silently";
     ASSERT_EQ(p->moves.size(), 5u);
-    const Space expected[] = {Space::workpiece, Space::workpiece, Space::machine, Space::machine, Space::workpiece};
+    const Space expected[] = {Space::workpiece, Space::workpiece, Space::untransformed, Space::machine,
+                              Space::workpiece};
     for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(p->moves[i].space, expected[i]) << i;
     EXPECT_EQ(p->offsets.at(p->moves[2].offset), "G54");
     EXPECT_EQ(p->moves[3].offset, 0) << "G53 knows no offset";
@@ -189,9 +192,169 @@ TEST(Rs274, LinuxCncsOwnTcpWordsHoldWhereTheMachineFileDeclaresNone) {
     const auto program = read_with(machine, "M428 G21 G0 X0 Y0 Z0 A0 C0\nG1 X1 F60\nM429\nG1 X5 Y6 Z7\n");
     ASSERT_TRUE(program) << said(program);
     EXPECT_EQ(program->moves[1].space, program::Space::workpiece);
-    EXPECT_EQ(program->moves[2].space, program::Space::machine);
+    EXPECT_EQ(program->moves[2].space, program::Space::untransformed);
     machine.words.tcp_on = {"M140"};
     EXPECT_EQ(read_with(machine, "M428 G21 G0 X0 Y0 Z0 A0 C0\nG1 X1 F60\n").error().code, "NC0204");
+}
+
+/// The angle of each move's arc, 0 where it is straight.
+std::vector<double> angles_of(const program::Program& p) {
+    std::vector<double> out;
+    for (const program::Move& move : p.moves)
+        out.push_back(move.arc == program::no_arc ? 0 : p.arcs.at(static_cast<std::size_t>(move.arc)).angle_rad);
+    return out;
+}
+
+void expect_angles(const Result<program::Program>& p, const std::vector<double>& expected) {
+    ASSERT_TRUE(p) << said(p);
+    const std::vector<double> angles = angles_of(*p);
+    ASSERT_EQ(angles.size(), expected.size());
+    for (std::size_t i = 0; i < angles.size(); ++i) EXPECT_NEAR(angles[i], expected[i], 1e-9) << i;
+}
+
+constexpr double quarter = std::numbers::pi / 2;
+
+TEST(Rs274Arcs, EveryPlaneInBothSenses) {
+    struct Case {
+        std::string_view block;
+        Eigen::Vector3d normal, centre;
+        double angle;
+    };
+    const Case cases[] = {
+        {"G3 X0 Y10 I-10", {0, 0, 1}, {0, 0, 10}, quarter},
+        {"G17 G3 X0 Y10 I-10", {0, 0, 1}, {0, 0, 10}, quarter},
+        {"G17 G2 X0 Y10 I-10 J0", {0, 0, 1}, {0, 0, 10}, -3 * quarter},
+        {"G18 G3 X20 Z0 K-10", {0, 1, 0}, {10, 0, 0}, quarter},
+        {"G18 G2 X20 Z0 K-10", {0, 1, 0}, {10, 0, 0}, -3 * quarter},
+        {"G18 G3 X0 Z0 I-10", {0, 1, 0}, {0, 0, 10}, quarter},
+        {"G19 G3 Y-10 Z0 K-10", {1, 0, 0}, {10, 0, 0}, quarter},
+        {"G19 G2 Y-10 Z0 K-10", {1, 0, 0}, {10, 0, 0}, -3 * quarter},
+    };
+    for (const Case& c : cases) {
+        const auto p = read_ac(std::string("G21 G0 X10 Y0 Z10\nF60 ").append(c.block) + "\n");
+        ASSERT_TRUE(p) << c.block << said(p);
+        ASSERT_EQ(p->arcs.size(), 1u);
+        EXPECT_EQ(p->arcs[0].normal, c.normal) << c.block;
+        EXPECT_LT((p->arcs[0].centre_mm - c.centre).norm(), 1e-12) << c.block;
+        EXPECT_NEAR(p->arcs[0].angle_rad, c.angle, 1e-12) << c.block;
+        EXPECT_EQ(p->moves.at(0).arc, program::no_arc);
+        EXPECT_EQ(p->moves.at(1).arc, 0);
+        EXPECT_EQ(p->moves[1].feed, (program::Feed{FeedRule::tip_speed, 1}));
+    }
+}
+
+TEST(Rs274Arcs, WholeTurnsAndHelices) {
+    expect_angles(read_ac("G21 G0 X10 Y0 Z0\nG2 I-10 F60\nG3 X10 Y0 I-10\nI-10\nG1 X11\nX12\n"),
+                  {0, -4 * quarter, 4 * quarter, 4 * quarter, 0, 0});
+    expect_angles(read_ac("G21 G0 X10 Y0 Z0\nG3 X0 Y10 Z-5 I-10 P3 F60\nG2 X10 Y0 Z0 R10 P2\n"),
+                  {0, 9 * quarter, -5 * quarter});
+    expect_angles(read_ac("G21 G0 X10 Y0 Z0\nG93 G2 I-10 Z-3 P1 F60\n"), {0, -4 * quarter});
+}
+
+TEST(Rs274Arcs, TheSignOfTheRadiusSaysWhichWayRound) {
+    const auto p = read_ac("G21 G0 X10 Y0 Z0\nG3 X0 Y10 R10 F60\nX10 Y0 R-10\nG2 X0 Y10 R10\nX10 Y0 R-10\nX20 R5\n");
+    expect_angles(p, {0, quarter, 3 * quarter, -quarter, -3 * quarter, -2 * quarter});
+    EXPECT_LT((p->arcs[0].centre_mm).norm(), 1e-12);
+    EXPECT_LT((p->arcs[1].centre_mm).norm(), 1e-12);
+    EXPECT_LT((p->arcs[2].centre_mm - Eigen::Vector3d(10, 10, 0)).norm(), 1e-12);
+    EXPECT_LT((p->arcs[3].centre_mm - Eigen::Vector3d(10, 10, 0)).norm(), 1e-12);
+}
+
+TEST(Rs274Arcs, CentresFromTheStartOrFromZero) {
+    const auto p = read_ac(
+        "G21 G0 X10 Y5 Z0\nG91 G2 X10 Y-10 J-10 F60\nX-10 Y-10 I-10\nG90 G90.1 G3 X20 Y-5 I10 J-5\nG91.1 X10 Y5 "
+        "I-10\n");
+    expect_angles(p, {0, -quarter, -quarter, quarter, quarter});
+    for (const program::Arc& arc : p->arcs) EXPECT_LT((arc.centre_mm - Eigen::Vector3d(10, -5, 0)).norm(), 1e-12);
+    EXPECT_LT((p->moves[2].position_mm - Eigen::Vector3d(10, -15, 0)).norm(), 1e-12);
+}
+
+TEST(Rs274Arcs, InchesScaleCentreAndTolerance) {
+    const auto p = read_ac("G20 G0 X1 Y0 Z0\nG3 X0 Y1.0004 I-1 F60\n");
+    expect_angles(p, {0, quarter});
+    EXPECT_LT(p->arcs[0].centre_mm.norm(), 1e-12);
+    EXPECT_EQ(read_ac("G21 G0 X1 Y0 Z0\nG3 X0 Y1.01 I-1 F60\n").error().code, "NC0207");
+    EXPECT_TRUE(read_ac("G20 G0 X1 Y0 Z0\nG3 X0 Y1.0009 I-1 F60\n"));
+}
+
+TEST(Rs274Arcs, RotaryWordsTurnAlong) {
+    const auto p = read_ac("G21 G0 X10 Y0 Z0 A0 C0\nG3 X0 Y10 I-10 A20 C90 F60\nG3 X10 Y0 I0 J-10 C0\n");
+    expect_angles(p, {0, quarter, 3 * quarter});
+    EXPECT_DOUBLE_EQ(p->moves[1].rotary_rad[1], 90 * degree);
+    EXPECT_DOUBLE_EQ(p->moves[2].rotary_rad[0], 20 * degree);
+    EXPECT_EQ(p->moves[1].law, program::OrientationLaw::rotary);
+}
+
+TEST(Rs274Arcs, InEverySpace) {
+    const auto p = read_ac(
+        "G21 G0 X10 Y0 Z0 A0 C0\nM429\nG0 X10 Y0\nG3 X0 Y10 I-10 F60\nG53 G0 X1 Y2\nG53 G2 X3 Y2 I1\nM428\nG0 Y5 "
+        "X10\nG2 I-5\n");
+    expect_angles(p, {0, 0, quarter, 0, -2 * quarter, 0, -4 * quarter});
+    EXPECT_EQ(p->moves[2].space, Space::untransformed);
+    EXPECT_EQ(p->moves[4].space, Space::machine);
+    EXPECT_EQ(p->arcs[1].centre_mm.head<2>(), Eigen::Vector2d(2, 2));
+    EXPECT_TRUE(std::isnan(p->moves[4].position_mm.z())) << "Z stays where it stands, the circle is the same";
+    EXPECT_EQ(p->moves[6].space, Space::workpiece);
+    for (const program::Arc& arc : p->arcs) EXPECT_TRUE(arc.centre_mm.allFinite());
+}
+
+TEST(Rs274Arcs, TheFirstPoseIsNoMotion) {
+    const auto p = read_ac("G21 G0 X10 Y0 Z0\nG3 X0 Y10 I-10 A0 C0 F60\nG3 X-10 Y0 J-10\n");
+    ASSERT_TRUE(p) << said(p);
+    ASSERT_EQ(p->moves.size(), 2u);
+    EXPECT_EQ(p->moves[0].arc, program::no_arc);
+    EXPECT_NEAR(p->arcs.at(static_cast<std::size_t>(p->moves[1].arc)).angle_rad, quarter, 1e-12);
+}
+
+/// Coordinates as text, `-` where the axis stays where it stands.
+std::string coordinates_of(const program::Move& move) {
+    std::string out;
+    for (const double coordinate : move.position_mm)
+        out += std::isnan(coordinate) ? "- " : fmt::format("{:g} ", coordinate);
+    return out;
+}
+
+TEST(Rs274Frames, WhatIsNotSaidInAnotherFrameStaysWhereItStands) {
+    const auto p = read_ac(
+        "G21 G0 X1 Y2 Z3 A0 C0\nG53 G0 Z0\nG53 G0 X5\nG1 Y4 F60\nX7\nM429\nG1 A10\nZ9\nG55\nX8\nM428 G54\nX1 Y1 Z1\n");
+    ASSERT_TRUE(p) << said(p);
+    const char* const expected[] = {"1 2 3 ", "- - 0 ", "5 - 0 ", "- 4 - ", "7 4 - ",
+                                    "- - - ", "- - 9 ", "8 - - ", "1 1 1 "};
+    ASSERT_EQ(p->moves.size(), std::size(expected));
+    for (std::size_t i = 0; i < std::size(expected); ++i) EXPECT_EQ(coordinates_of(p->moves[i]), expected[i]) << i;
+    EXPECT_EQ(p->moves[1].space, Space::machine);
+    EXPECT_EQ(p->moves[3].space, Space::workpiece);
+    EXPECT_EQ(p->moves[5].space, Space::untransformed);
+    EXPECT_EQ(p->moves[5].feed.rule, FeedRule::rotary_rate) << "no linear axis is asked to move";
+    EXPECT_EQ(p->moves[6].feed.rule, FeedRule::tip_speed);
+    EXPECT_EQ(p->offsets.at(p->moves[7].offset), "G55");
+}
+
+TEST(Rs274Frames, TheFirstPoseIsWhole) {
+    const auto p = read_ac("G21 G53 G0 Z0\nG0 X1 Y1\nZ5\nG53 G0 Z0 A0\nX2\nX3 Y3 Z3\nC0 X5\nG1 X6 F60\n");
+    ASSERT_TRUE(p) << said(p);
+    ASSERT_EQ(p->moves.size(), 2u);
+    EXPECT_EQ(coordinates_of(p->moves[0]), "5 3 3 ");
+    const auto late = read_ac("G21 G0 X1 Y1 Z5 A0\nG53 G0 Z0 C0\nX2\nX3 Y3 Z3\nG1 X6 F60\n");
+    ASSERT_TRUE(late) << said(late);
+    EXPECT_EQ(coordinates_of(late->moves[0]), "3 3 3 ") << "known whole, not only in its rotary words";
+}
+
+TEST(Rs274Tools, LengthByG43) {
+    const auto p = read_ac(
+        "G21 T8 M6\nG0 X0 Y0 Z0\nG43 H3\nX1 Y1 Z1\nG43\nX2 Y2 Z2\nG43 H3\nT9 M6\nX3 Y3 Z3\nG49\nX4 Y4 Z4\nG43 "
+        "H0\nX5\n");
+    ASSERT_TRUE(p) << said(p);
+    const char* const expected[] = {"8", "3", "8", "3", "9", "9 D0"};
+    ASSERT_EQ(p->moves.size(), std::size(expected));
+    for (std::size_t i = 0; i < std::size(expected); ++i) EXPECT_EQ(p->tools.at(p->moves[i].tool), expected[i]) << i;
+    EXPECT_EQ(coordinates_of(p->moves[5]), "5 - - ") << "with another length the axes stay, not the tip";
+}
+
+TEST(Rs274Tools, TheSameCoordinatesWithAnotherToolAreAMove) {
+    const auto p = read_ac("G21 T1 M6\nG0 X0 Y0 Z0\nT2 M6\nX0 Y0 Z0\nX0\nG53 X1 Y1 Z1\nT1 M6\nG53 X1 Y1 Z1\n");
+    ASSERT_TRUE(p) << said(p);
+    EXPECT_EQ(p->moves.size(), 3u);
 }
 
 }  // namespace

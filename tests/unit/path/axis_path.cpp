@@ -37,7 +37,7 @@ TEST(AxisPath, holds_the_pose_and_is_differentiated_exactly) {
         const auto kinematics = Kinematics::make(machine, Frame{{5, -7, 50}, Eigen::Matrix3d::Identity()}, 80);
         ASSERT_TRUE(kinematics);
         const ToolPath tool_path = curved(*kinematics);
-        const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+        const auto path = AxisPath::make(tool_path, machine, {});
         ASSERT_TRUE(path);
         for (const PathPlace place : {PathPlace{0, 0.3}, PathPlace{0, 7.7}, PathPlace{1, 4.0}}) {
             AxisSample at;
@@ -79,7 +79,7 @@ TEST(AxisPath, follows_one_branch_beside_the_pole) {
     const auto kinematics = Kinematics::make(machine, {}, 0);
     for (const double beside : {1e-2, 1e-4, 1e-6}) {
         const ToolPath tool_path = past_the_pole(*kinematics, beside);
-        const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+        const auto path = AxisPath::make(tool_path, machine, {});
         ASSERT_TRUE(path) << to_string(path.error());
         const auto begin = path->begin_position(), end = path->end_position();
         EXPECT_NEAR(std::abs(end[4] - begin[4]), 180 * degree, 4 * beside / 0.18 + 1e-6);
@@ -97,7 +97,7 @@ TEST(AxisPath, sees_a_passage_of_the_pole_between_two_places_that_look_alike) {
     for (const double shift : {0.05, -0.031, 0.077}) {  // the pole is not where an interval is halved
         ToolPath tool_path = past_the_pole(*kinematics, 1e-4);
         tool_path.pieces[0].coefficient[3][0] += shift;
-        const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+        const auto path = AxisPath::make(tool_path, machine, {});
         ASSERT_TRUE(path) << to_string(path.error());
         EXPECT_NEAR(std::abs(path->end_position()[4] - path->begin_position()[4]), 180 * degree, 0.01);
         const double nearest_mm = 40 * (0.18 - shift) / 0.36;
@@ -114,7 +114,7 @@ TEST(AxisPath, straight_through_the_pole_keeps_c) {
     const auto machine = trunnion_table();
     const auto kinematics = Kinematics::make(machine, {}, 0);
     const ToolPath tool_path = past_the_pole(*kinematics, 0);
-    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    const auto path = AxisPath::make(tool_path, machine, {});
     ASSERT_TRUE(path) << to_string(path.error());
     EXPECT_NEAR(path->begin_position()[4], path->end_position()[4], 1e-9);
     EXPECT_NEAR(path->begin_position()[3], -path->end_position()[3], 1e-9);
@@ -124,22 +124,12 @@ TEST(AxisPath, continues_the_winding_it_is_given) {
     const auto machine = trunnion_table();
     const auto kinematics = Kinematics::make(machine, {}, 0);
     const ToolPath tool_path = curved(*kinematics);
-    const auto first = AxisPath::make(tool_path, machine, nullptr, {});
+    const auto first = AxisPath::make(tool_path, machine, {});
     auto wound = first->begin_position();
     wound[4] += 4 * std::numbers::pi;
-    const auto second = AxisPath::make(tool_path, machine, &wound, {});
+    const auto second = AxisPath::make(tool_path, machine, {wound[3], wound[4]});
     ASSERT_TRUE(second);
     EXPECT_NEAR(second->end_position()[4] - first->end_position()[4], 4 * std::numbers::pi, 1e-12);
-}
-
-TEST(AxisPath, takes_the_branch_inside_the_ranges) {
-    auto machine = trunnion_table();
-    machine.axes[3].range_max = 5 * degree;  // only the branch with negative A is left
-    const auto kinematics = Kinematics::make(machine, {}, 0);
-    const ToolPath tool_path = curved(*kinematics);
-    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
-    ASSERT_TRUE(path) << to_string(path.error());
-    EXPECT_LT(path->begin_position()[3], 0);
 }
 
 TEST(AxisPath, says_which_axis_leaves_its_range) {
@@ -147,11 +137,82 @@ TEST(AxisPath, says_which_axis_leaves_its_range) {
     machine.axes[2].range_max = 30;
     const auto kinematics = Kinematics::make(machine, {}, 0);
     const ToolPath tool_path = curved(*kinematics);
-    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    const auto path = AxisPath::make(tool_path, machine, {});
     ASSERT_FALSE(path);
     EXPECT_EQ(path.error().code, "PATH0102");
     EXPECT_NE(path.error().text.find("axis Z"), std::string::npos);
     EXPECT_EQ(path.error().place.line, 1);
+}
+
+TEST(AxisPath, sees_a_linear_axis_leave_its_range_between_the_ends_of_a_piece) {
+    auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    ToolPath tool_path;  // the tip stands 100 mm off C, which turns from −40° to 45°: X is largest, 100, at 0
+    tool_path.kinematics = &*kinematics;
+    tool_path.law = OrientationLaw::rotary;
+    PathPiece piece{0, 40, {}};
+    piece.coefficient[0] = {100};
+    piece.coefficient[4] = {-40 * degree, 85 * degree};
+    tool_path.pieces.push_back(piece);
+    tool_path.blocks.push_back({0, 40, {FeedRule::tip_speed, 50}, 3, 40});
+    const double at_ends = kinematics->linear_for(Eigen::Vector3d{100, 0, 0}, {0, -40 * degree})[0];
+    ASSERT_LT(at_ends, 90);
+    for (const double limit : {99.9, 99.9999}) {
+        machine.axes[0].range_max = limit;
+        const auto path = AxisPath::make(tool_path, machine, {});
+        ASSERT_FALSE(path) << limit;
+        EXPECT_EQ(path.error().code, "PATH0102");
+        EXPECT_NE(path.error().text.find("axis X"), std::string::npos);
+    }
+    for (const double limit : {100.0, 100.1}) {
+        machine.axes[0].range_max = limit;
+        EXPECT_TRUE(AxisPath::make(tool_path, machine, {})) << limit;
+    }
+}
+
+TEST(AxisPath, sees_a_rotary_axis_leave_its_range_between_stations) {
+    auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    ToolPath tool_path;  // from A 80° C −8° to A 80° C 9° by the shortest way: between A dips to atan(tan 80° cos 8.5°)
+    tool_path.kinematics = &*kinematics;
+    PathPiece piece{0, 40, {}};
+    const auto axis = [](double c_deg) {
+        const double c = c_deg * degree;
+        return Eigen::Vector3d(std::sin(c) * std::sin(80 * degree), -std::cos(c) * std::sin(80 * degree),
+                               std::cos(80 * degree));
+    };
+    for (int k = 0; k < 3; ++k) piece.coefficient[3 + k] = {axis(-8)[k], axis(9)[k] - axis(-8)[k]};
+    tool_path.pieces.push_back(piece);
+    tool_path.blocks.push_back({0, 40, {FeedRule::tip_speed, 50}, 3, 40});
+    const double dip = std::atan(std::tan(80 * degree) * std::cos(8.5 * degree));
+    machine.axes[3].range_min = dip + 1e-6;
+    const auto path = AxisPath::make(tool_path, machine, {80 * degree, 0});
+    ASSERT_FALSE(path);
+    EXPECT_EQ(path.error().code, "PATH0102");
+    EXPECT_NE(path.error().text.find("axis A"), std::string::npos);
+    machine.axes[3].range_min = dip - 1e-6;
+    EXPECT_TRUE(AxisPath::make(tool_path, machine, {80 * degree, 0}));
+}
+
+TEST(AxisPath, begins_at_the_pole_where_it_leaves_it) {
+    const auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    ToolPath tool_path;
+    tool_path.kinematics = &*kinematics;
+    PathPiece piece{0, 40, {}};  // leaves towards C 30° and bends away
+    piece.coefficient[3] = {0, 0.2 * std::sin(30 * degree), 0.1};
+    piece.coefficient[4] = {0, -0.2 * std::cos(30 * degree), 0.05};
+    piece.coefficient[5] = {1};
+    tool_path.pieces.push_back(piece);
+    tool_path.blocks.push_back({0, 40, {FeedRule::tip_speed, 50}, 1, 40});
+    for (const double near_deg : {35.0, 390.0 - 5, -155.0}) {
+        const auto path = AxisPath::make(tool_path, machine, {0, near_deg * degree});
+        ASSERT_TRUE(path);
+        const double begin = path->begin_position()[4];
+        EXPECT_NEAR(begin / degree, near_deg + (near_deg < 0 ? 5 : near_deg > 100 ? 5 : -5), 1e-4);
+        const double next = path->position({0, 1e-3})[4];
+        EXPECT_NEAR(next, begin, 1e-3);
+    }
 }
 
 TEST(AxisPath, refuses_an_orientation_out_of_reach) {
@@ -162,7 +223,7 @@ TEST(AxisPath, refuses_an_orientation_out_of_reach) {
     const auto kinematics = Kinematics::make(machine, {}, 0);
     ASSERT_TRUE(kinematics);
     const ToolPath tool_path = curved(*kinematics);
-    const auto path = AxisPath::make(tool_path, machine, nullptr, {});
+    const auto path = AxisPath::make(tool_path, machine, {});
     ASSERT_FALSE(path);
     EXPECT_EQ(path.error().code, "PATH0101");
 }

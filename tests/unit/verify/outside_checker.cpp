@@ -11,7 +11,7 @@
 
 #include "trunnion/verify/programmed_csv.hpp"
 
-#include "made_motions.hpp"
+#include "made_programs.hpp"
 
 /// The checker against the one outside the project, on the same files.
 namespace trunnion::verify::test {
@@ -100,15 +100,12 @@ struct Case {
     int window;
 };
 
-class OutsideChecker : public testing::TestWithParam<Case> {};
-
-TEST_P(OutsideChecker, Agrees) {
-    if (!outside_checker_runs()) GTEST_SKIP() << "the outside checker, its cases or numpy are absent";
-    const fs::path programmed = shared / "data/cases" / fmt::format("{}.csv", GetParam().name);
+/// Both checkers say the same of a rounded motion along the poses of a file.
+void expect_same_verdicts(const fs::path& programmed, const std::string& name, int window) {
     const auto poses = read_programmed_csv(text_of(programmed), peer_trunnion());
     ASSERT_TRUE(poses) << to_string(poses.error());
-    const auto text = setpoint_csv(rounded_motion(*poses, 0.1, GetParam().window));
-    const fs::path file = fs::path(testing::TempDir()) / fmt::format("verify-{}.csv", GetParam().name);
+    const auto text = setpoint_csv(rounded_motion(*poses, 0.1, window));
+    const fs::path file = fs::path(testing::TempDir()) / fmt::format("verify-{}.csv", name);
     std::ofstream(file) << text;
     const auto outside = outside_verdict(file, programmed);
     fs::remove(file);
@@ -139,6 +136,38 @@ TEST_P(OutsideChecker, Agrees) {
     same("end_error_mm", ours->end_error_mm, 1e-9);
     same("cycle_time_s", ours->cycle_time_s, 1e-9);
     same("rows", static_cast<double>(ours->rows), 0);
+}
+
+class OutsideChecker : public testing::TestWithParam<Case> {};
+
+TEST_P(OutsideChecker, Agrees) {
+    if (!outside_checker_runs()) GTEST_SKIP() << "the outside checker, its cases or numpy are absent";
+    const fs::path programmed = shared / "data/cases" / fmt::format("{}.csv", GetParam().name);
+    expect_same_verdicts(programmed, GetParam().name, GetParam().window);
+}
+
+/// Vectors, a re-branched rapid, words, an arc by words, and moves in machine axes, as they are written.
+TEST(OutsideCheckerOfWrittenPoses, Agrees) {
+    if (!outside_checker_runs()) GTEST_SKIP() << "the outside checker, its cases or numpy are absent";
+    const double a = 30 * degree, c = 70 * degree;
+    auto program =
+        program_of({by_vector({0, 0, 0}, {0, 0, 1}, 1), by_vector({10, 0, 0}, axis_of(a, c), 2),
+                    by_vector({10, 0, 5}, axis_of(a, c), 3), by_words({20, 0, 0}, 40 * degree, 110 * degree, 4),
+                    by_words({30, 10, 0}, 20 * degree, 90 * degree, 5), by_words({60, 0, 80}, 0, 0, 6)});
+    program.moves[2].kind = program::MoveKind::rapid;
+    program.moves[4].arc = 0;
+    program.arcs = {{.centre_mm = {20, 10, 0}, .normal = {0, 0, 1}, .angle_rad = 90 * degree}};
+    program.moves[5].space = Space::untransformed;
+    const Stands stands{{.rotary_rad = {0, c}},
+                        {.rotary_rad = {a, c}},
+                        {.rotary_rad = {-a, c + 180 * degree}, .rebranched = true},
+                        {.rotary_rad = {40 * degree, 110 * degree}},
+                        {.rotary_rad = {20 * degree, 90 * degree}},
+                        {.rotary_rad = {0, 0}}};
+    const fs::path file = fs::path(testing::TempDir()) / "verify-written-poses.csv";
+    std::ofstream(file) << programmed_csv(poses_of(program, peer_setup(), peer_trunnion(), stands), peer_trunnion());
+    expect_same_verdicts(file, "written", 6);
+    fs::remove(file);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, OutsideChecker,

@@ -12,8 +12,8 @@ struct gzFile_s;
 namespace trunnion::files {
 
 /// A file that appears by rename when it is complete, or not at all. A name that ends in `.gz` is compressed.
-/// Without commit() the half-written file is removed.
-/// Errors: FILE0201 cannot be created, FILE0202 cannot be written.
+/// Without commit() the half-written file is removed. What is there and no regular file (a device, a pipe) is written
+/// to as it is. Errors: FILE0201 cannot be created, FILE0202 cannot be written.
 class OutputFile {
   public:
     static Result<OutputFile> create(const std::filesystem::path& path);
@@ -30,11 +30,12 @@ class OutputFile {
   private:
     OutputFile() = default;
     void discard() noexcept;
+    void remove_temporary() noexcept;
 
     std::filesystem::path path_, temporary_;
     std::FILE* plain_ = nullptr;
     gzFile_s* compressed_ = nullptr;
-    bool failed_ = false;
+    bool in_place_ = false, failed_ = false;
 };
 
 /// Whole content of a file, decompressed where it is gzip. Errors: FILE0203 cannot be read.

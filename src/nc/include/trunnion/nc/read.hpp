@@ -13,11 +13,12 @@ namespace trunnion::nc {
 
 /// The languages of part programs that are read.
 enum class Dialect : std::uint8_t {
-    apt,   ///< APT cutter location data, and bare lists of poses (x y z or x y z i j k a line)
-    rs274  ///< G-code as LinuxCNC takes it
+    apt,       ///< APT cutter location data, and bare lists of poses (x y z or x y z i j k a line)
+    rs274,     ///< G-code as LinuxCNC takes it
+    sinumerik  ///< SINUMERIK 840D and its like
 };
 
-/// `apt`, `rs274`.
+/// `apt`, `rs274`, `sinumerik`.
 std::string_view name_of(Dialect dialect) noexcept;
 std::optional<Dialect> dialect_named(std::string_view name) noexcept;
 
@@ -40,14 +41,20 @@ Result<Dialect> recognise(std::string_view text);
 /// or refused with its place. Any bytes are taken: the result is a Program or a Diagnostic.
 ///
 /// What comes out: moves[0] is the first pose of which every coordinate and every rotary letter that the program ever
-/// uses is known; moves that change nothing are left out; lengths in mm, rotary words in rad and literal.
+/// uses is known; from where the frame of its linear coordinates changes (space, offset, tool) one that is not said is
+/// NaN: its axis stays where it stands. Moves that change nothing are left out; lengths in mm, rotary words in rad and
+/// literal.
 ///
 /// apt: law vector. A pose of three numbers keeps the vector, (0, 0, 1) at first. The feed is the speed of the tip; a
 /// pure rotation has none and is bounded by the axes alone.
 /// rs274: law rotary, always (no letters: the rotary axes stand still). G94: F is the speed of the tip in mm/min
 /// (inch/min) where a linear coordinate changes, else deg/min of the Euclidean length of the rotary words. G93: 60/F s
 /// for the block. Linear words are of the workpiece while TCP is on, as it is at first; after a word of words.tcp_off
-/// they are of the machine axes and the move keeps its offset; G53 is one block of machine axes, with offset 0.
+/// they are untransformed; G53 is one block of machine axes, with offset 0. G2 and G3 are arcs in each of them.
+/// sinumerik: law rotary by rotary words, law vector by A3 B3 C3 (or A2 B2 C2) and in planes of CYCLE800. Linear words
+/// are of the workpiece under TRAORI and in planes of CYCLE800, else untransformed; of the machine axes in a block with
+/// SUPA. F as in rs274; a pure rotation counts at FGREF's radius, 1 mm for 1 degree. Frames and drilling cycles are
+/// carried out. docs/dialects.md lists every word.
 ///
 /// `file_name` is used for diagnostics and for the name of the program. Cost: one pass, about 1 µs a block; the memory
 /// of the moves. Errors: src/nc/README.md lists all codes.

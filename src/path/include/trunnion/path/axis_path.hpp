@@ -31,14 +31,16 @@ struct AxisSample {
 /// Keeps references to the tool path and the machine, which must outlive it. Immutable; evaluate() is thread safe.
 class AxisPath {
   public:
-    /// `start`: where the axes stand before the stretch. Law vector goes on from there on the branch and winding
-    /// nearest to it. Where the stretch begins at the pole and leaves it in a direction that `start` does not serve,
-    /// the axis that is free there begins elsewhere: begin_position() then is another one of the same pose. Without
-    /// `start` (no motion yet) it takes the one with the least travel from `home` that stays inside the ranges. Errors:
-    /// PATH0101 orientation out of reach, PATH0102 an axis leaves its range (place, value, limit), PATH0103 the path
-    /// passes the pole too closely to follow.
+    /// `near`: under law vector the rotary axes begin on the branch and winding nearest to it and go on from there
+    /// without a jump. Where the stretch begins at the pole, the axis that is free there begins where the path leaves
+    /// the pole, on the side and winding nearest to `near`, and at `near` itself where it never leaves. Under law
+    /// rotary and in machine space `near` is not used. Ranges are checked everywhere, not only at stations: what an
+    /// axis may do between two places is bounded by the Bernstein hull of the septic polynomial through its values and
+    /// derivatives there, and looked at more finely where that leaves room for doubt. Errors: PATH0101 orientation out
+    /// of reach, PATH0102 an axis leaves its range (place, value, limit), PATH0103 the path passes the pole too closely
+    /// to follow.
     static Result<AxisPath> make(const ToolPath& path, const machine::Machine& machine,
-                                 const machine::AxisPosition* start, const machine::AxisPosition& home);
+                                 const machine::RotaryPosition& near);
 
     const ToolPath& tool_path() const { return *path_; }
     const machine::Machine& machine() const { return *machine_; }
@@ -56,33 +58,28 @@ class AxisPath {
     const std::vector<PathPlace>& stations() const { return stations_; }
 
   private:
-    static constexpr int unknown_branch = -1;  // at the pole, and with fewer than two rotary axes
-    struct Followed {
-        machine::RotaryPosition rotary_rad{};
-        int branch = unknown_branch;
-    };
-
     AxisPath(const ToolPath& path, const machine::Machine& machine) : path_(&path), machine_(&machine) {}
     bool follows_vectors() const {
         return path_->law == OrientationLaw::vector && path_->space == Space::workpiece && machine_->rotary_count > 0;
     }
     Diagnostic diagnose(PathPlace place, std::string code, std::string text) const;
-    std::vector<machine::RotaryPosition> ranked_solutions(PathPlace place, const machine::RotaryPosition& near) const;
-    PathPlace departure() const;
-    std::vector<machine::RotaryPosition> starts(const machine::AxisPosition* start,
-                                                const machine::AxisPosition& home) const;
-    Result<void> follow(const machine::RotaryPosition& from);
-    Result<void> follow(PathPlace from, PathPlace to, const Followed& at_from);
-    Result<Followed> rotary_at(PathPlace place, const machine::RotaryPosition& near) const;
-    static bool continues(const Followed& a, const Followed& b);
+    Diagnostic out_of_reach(PathPlace place) const;
+    Diagnostic out_of_range(PathPlace place, int which, double value) const;
+    Diagnostic too_close_to_pole(PathPlace place) const;
+    Eigen::Vector3d tool_axis(PathPlace place) const;
+    machine::RotarySolutions solutions(PathPlace place) const;
+    Result<machine::RotaryPosition> beginning(const machine::RotaryPosition& near) const;
+    Result<void> follow(const machine::RotaryPosition& near);
     Result<void> check_reach() const;
     Result<void> check_ranges() const;
+    Result<void> check_ranges(PathPlace from, const AxisSample& at_from, double length_mm,
+                              const AxisSample& at_to) const;
     machine::RotaryPosition reference(PathPlace place) const noexcept;
 
     const ToolPath* path_;
     const machine::Machine* machine_;
     std::vector<PathPlace> stations_;
-    std::vector<Followed> rotary_at_station_;  // law vector in workpiece space
+    std::vector<machine::RotaryPosition> rotary_at_station_;  // law vector in workpiece space
     std::vector<std::size_t> first_station_of_piece_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <deque>
-#include <map>
+#include <memory>
+#include <span>
 
 #include "trunnion/base/result.hpp"
 #include "trunnion/machine/machine.hpp"
@@ -10,59 +10,63 @@
 
 namespace trunnion::path {
 
+namespace detail {
+class Surroundings;
+struct Surrounding;
+}  // namespace detail
+
 /// Turns the moves of a program into runs, one after another, in the frame of the setup's workpiece: work offsets
-/// applied, tools resolved to their length, blocks shorter than 1e-7 mm of p dropped, cut where motion stands still
-/// (rapids, stopping events, exact stops, changes of space or tool). Holds the kinematics that the runs point to and
-/// must outlive them; keeps references to program, machine and setup.
+/// applied, tools resolved to their length, untransformed coordinates turned into machine axes, coordinates that a move
+/// leaves open taken from where the machine stands, blocks shorter than 1e-7 mm of p dropped, cut where motion stands
+/// still (rapids, stopping events, exact stops, changes of space, tool or orientation law). Holds the kinematics that
+/// the runs point to and must outlive them; keeps references to program, machine, setup and stands.
 ///
+/// `stands`: where the rotary axes stand at the end of every move (choose_rotary_stands), one a move. Moves that are
+/// marked rebranched come as runs of law rotary.
 /// A named tool is looked up in Setup::tools; a setup without that table gives its one [tool] to the first name that
 /// the program calls. G54 without an entry is the workpiece itself.
-/// Rotary axes that the program never names stand at Setup::start, else at 0.
 ///
-/// Errors: PATH0001 no motion, PATH0002 tool not in the setup, PATH0003 work offset not in the setup, PATH0004 the
-/// program changes between vectors and rotary words, PATH0005 opposite tool axes in consecutive poses, PATH0006 rotary
-/// words on a machine without such an axis; and those of Kinematics::make.
+/// Errors: PATH0001 no motion, PATH0002 tool not in the setup, PATH0003 work offset not in the setup, PATH0006 rotary
+/// words on a machine without such an axis, PATH0008 an arc in untransformed coordinates where the linear axes do not
+/// stand at right angles, PATH0009 an arc that begins on its own axis; and those of Kinematics::make.
 class PathBuilder {
   public:
     static Result<PathBuilder> make(const program::Program& program, const machine::Machine& machine,
-                                    const machine::Setup& setup);
+                                    const machine::Setup& setup, std::span<const program::RotaryStand> stands);
+    PathBuilder(PathBuilder&&) noexcept;
+    PathBuilder& operator=(PathBuilder&&) noexcept;
+    ~PathBuilder();
 
     /// The next run with at least one block; false when the program is at its end.
     Result<bool> next(Run& run);
 
     /// Notes and warnings met so far.
-    const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
-
-    /// Where the axes are before the first motion as far as anybody can know: rotary axes at Setup::start, else 0.
-    /// Where a program of tool vectors begins with the tool along the axis nearest to the workpiece, that axis already
-    /// stands where the first tilted pose wants it.
-    machine::AxisPosition home() const;
+    const std::vector<Diagnostic>& diagnostics() const;
 
   private:
-    PathBuilder(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup)
-        : program_(&program), machine_(&machine), setup_(&setup) {}
+    PathBuilder(const program::Program& program, const machine::Machine& machine,
+                std::span<const program::RotaryStand> stands, detail::Surroundings surroundings);
     Result<void> begin();
-    Result<const machine::Kinematics*> kinematics_for(double tool_length_mm);
-    Result<const machine::Tool*> tool_of(const program::Move& move);
-    Result<machine::Frame> offset_of(const program::Move& move) const;
-    Result<PathCoordinates> coordinates_of(const program::Move& move);
-    Result<void> enter(const program::Move& move);
-    PathCoordinates converted(program::Space space) const;
-    void take_events(Run& run);
+    Result<void> begin_run(Run& run);
+    Result<void> add_move(Run& run);
+    Result<PathCoordinates> coordinates_of(std::size_t move, const detail::Surrounding& in) const;
+    Result<program::Arc> arc_of(const program::Move& move, const detail::Surrounding& in) const;
+    Eigen::Vector3d tool_axis() const;
+    machine::AxisPosition here() const;
+    void stand_where_it_leaves_the_pole(Run& run) const;
+    OrientationLaw law_of(std::size_t move) const;
     StopCause stop_before(std::size_t move) const;
-    bool event_stops_before(std::size_t move) const;
+    void take_events(Run& run);
 
     const program::Program* program_;
     const machine::Machine* machine_;
-    const machine::Setup* setup_;
-    std::map<double, std::size_t> kinematics_by_length_;
-    std::deque<machine::Kinematics> kinematics_;
-    std::vector<Diagnostic> diagnostics_;
-    PathCoordinates at_;
-    program::Space space_ = program::Space::workpiece;
+    std::span<const program::RotaryStand> stands_;
+    std::unique_ptr<detail::Surroundings> surroundings_;
+    PathCoordinates at_;  // in space_ and law_
+    Space space_ = Space::workpiece;
+    OrientationLaw law_ = OrientationLaw::vector;
     const machine::Tool* tool_ = nullptr;
-    const machine::Kinematics* in_use_ = nullptr;
-    std::string borrowed_tool_;  // the name that uses [tool]
+    const machine::Kinematics* kinematics_ = nullptr;
     std::size_t move_ = 0, event_ = 0;
 };
 

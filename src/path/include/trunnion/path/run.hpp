@@ -36,8 +36,9 @@ struct Block {
 };
 
 /// Why motion stands still at the end of a run or stretch.
-/// (`turn`: rotary axes were turned in place at the pole; it belongs to the stop before it.)
-enum class StopCause : std::uint8_t { end, reversal, rapid, event, exact_stop, space, tool, corner, turn };
+/// (`turn`: rotary axes were turned in place at the pole; it belongs to the stop before it. `law`: the next move turns
+/// by another orientation law.)
+enum class StopCause : std::uint8_t { end, reversal, rapid, event, exact_stop, space, tool, law, corner, turn };
 
 /// An event of the program (index in Program::events) that falls where blocks[block] of the run begins; block =
 /// blocks.size(): at the run's end.
@@ -55,6 +56,7 @@ struct Run {
     std::size_t first_move = 0;                       ///< index in Program::moves of the move of blocks[0]
     const machine::Kinematics* kinematics = nullptr;  ///< not owned
     std::vector<PathCoordinates> vertices;
+    std::vector<machine::RotaryPosition> stands;  ///< law vector: where the rotary axes are to stand at every vertex
     std::vector<Block> blocks;
     std::vector<program::Arc> arcs;  ///< in the frame of the vertices' positions
     std::vector<RunEvent> events;

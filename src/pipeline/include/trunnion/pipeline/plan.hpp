@@ -50,7 +50,8 @@ struct PlanObserver {
 };
 
 /// Program → smoothed path → jerk-limited feed profile → setpoints, stretch by stretch.
-/// Errors: those of the rooms it chains; PIPE0001 bad option, PIPE0002 cancelled, PIPE0003 a fault of ours.
+/// Errors: those of the rooms it chains; PIPE0001 bad option, PIPE0002 cancelled, PIPE0003 a fault of ours, PIPE0005
+/// rounding led the tool past the pole on the other side than rotary words behind it count from.
 Result<Summary> plan(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
                      const PlanOptions& options, PlanObserver& observer);
 

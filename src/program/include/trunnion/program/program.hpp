@@ -90,8 +90,8 @@ struct Event {
 /// Where the rotary axes stand at the end of a move: chosen by path building where the program leaves it open.
 struct RotaryStand {
     std::array<double, 2> rotary_rad{};  ///< order of the machine's rotary axes, control's count
-    /// A rapid of law vector on which the axes go to another branch or winding: it turns as under law rotary, from the
-    /// stand before to this one.
+    /// A move of law vector that turns as under law rotary, from the stand before to this one: a rapid on which the
+    /// axes go to another branch or winding, or a move at the pole along which the free axis turns.
     bool rebranched = false;
 };
 

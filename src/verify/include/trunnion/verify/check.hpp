@@ -18,7 +18,7 @@ struct CheckOptions {
     double orientation_tolerance_rad = 0.1 * 0.017453292519943295;  ///< where flank_tolerance_mm is 0; > 0
     double flank_tolerance_mm = 0;    ///< of the point at flank_height_mm, in place of the angle; 0 = off
     double flank_height_mm = 30;      ///< up the tool axis from the tip; one radian counts as so much; > 0
-    double controlled_height_mm = 0;  ///< the controlled point is so far up the axis: centre of a ball or torus
+    double controlled_height_mm = 0;  ///< of poses that do not say: the controlled point is so far up the axis
     double limit_excess = 1.001;      ///< peak / limit above this is a breach
 };
 
@@ -49,6 +49,9 @@ struct Verdict {
     std::vector<AxisVerdict> axes;
     double tip_deviation_mm = 0, orientation_deviation_deg = 0, height_deviation_mm = 0;
     double tip_to_poses_mm = 0, orientation_to_poses_deg = 0, height_to_poses_mm = 0;
+    /// Of the rotary axes from literal rotary words, up to the first that is missed: where the program asks for
+    /// standstill, and at all other poses.
+    double words_at_stops_deg = 0, words_on_the_way_deg = 0;
     double path_covered = 0;  ///< share of the programmed path (tip and turning) that the motion came through
     double start_error_mm = 0, end_error_mm = 0;  ///< tip of the first and last row from the first and last pose
     bool ok = false;                              ///< nothing is broken
@@ -68,7 +71,11 @@ struct Verdict {
 /// Rapid limits count for differences that touch a row on a rapid, feed limits for all others.
 /// A thing is broken when: a ratio exceeds limit_excess, an axis leaves its range by more than 1e-9, a deviation of a
 /// row or of a pose exceeds its tolerance by more than 1e-6 mm or 1e-6°, the start or end of the tip is farther than
-/// the tip tolerance from the programmed one, or the way that is not covered exceeds the tolerances.
+/// the tip tolerance from the programmed one, the way that is not covered exceeds the tolerances, or literal rotary
+/// words are missed: at standstills by more than 1e-6° and what the axis may move by its jerk in half a period,
+/// elsewhere by more than 50 times the orientation tolerance (a rotary axis turns the tool by a fiftieth of its own
+/// turn at least). At the first and last pose the first and last row count, at all others the rows at places around the
+/// pose's.
 ///
 /// Precondition: what setpoint_table() and programmed_poses() promise.
 /// Errors: VER0301 no setpoints, VER0302 no poses, VER0108 a number that is not finite, VER0303 a tolerance, height or

@@ -1,0 +1,254 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "trunnion/base/quantity.hpp"
+
+#include "detail/dialects.hpp"
+#include "detail/findings.hpp"
+#include "detail/rs274_control.hpp"
+#include "detail/sinumerik_block.hpp"
+#include "detail/sinumerik_frames.hpp"
+#include "detail/sinumerik_interpreter.hpp"
+#include "detail/sinumerik_words.hpp"
+
+namespace trunnion::nc::sinumerik {
+
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double default_reference_mm = 180 / std::numbers::pi;  ///< FGREF as delivered: 1 mm is 1 degree
+inline constexpr std::size_t address_count = static_cast<std::size_t>(Address::count);
+
+using RotaryWords = std::array<double, program::max_rotary_letters>;
+
+/// The addresses of one block with their values as written.
+class Addresses {
+  public:
+    void clear() { said_ = 0; }
+    bool has(Address a) const { return (said_ & bit(a)) != 0; }
+    bool has_any(Address first, Address last) const { return (said_ & (bit(last) * 2 - bit(first))) != 0; }
+    void put(Address a, const Word& word) {
+        said_ |= bit(a);
+        value_[index(a)] = word.value;
+        counting_[index(a)] = word.counting;
+        column_[index(a)] = word.column;
+    }
+    double operator[](Address a) const { return value_[index(a)]; }
+    double get(Address a, double otherwise) const { return has(a) ? value_[index(a)] : otherwise; }
+    Counting counting(Address a) const { return counting_[index(a)]; }
+    int column(Address a) const { return column_[index(a)]; }
+    /// Marks that the address has been made use of.
+    void use(Address a) { used_ |= bit(a); }
+    void use(Address first, Address last) { used_ |= bit(last) * 2 - bit(first); }
+    /// An address without use in its block.
+    std::optional<Address> left_over() const {
+        const std::uint32_t rest = said_ & ~used_;
+        if (rest == 0) return {};
+        return static_cast<Address>(std::countr_zero(rest));
+    }
+    void forget_uses() { used_ = 0; }
+
+  private:
+    static constexpr std::size_t index(Address a) { return static_cast<std::size_t>(a); }
+    static constexpr std::uint32_t bit(Address a) { return 1u << index(a); }
+
+    std::array<double, address_count> value_;
+    std::array<Counting, address_count> counting_;
+    std::array<int, address_count> column_;
+    std::uint32_t said_ = 0, used_ = 0;
+};
+
+/// The words that stay in force from block to block.
+struct Modes {
+    Meaning motion = Meaning::unknown;
+    Meaning feed_kind = Meaning::per_minute;
+    int normal_axis = 2;  ///< across the plane of G17, G18, G19
+    bool absolute = true, exact_stop = false;
+    bool transform = false;    ///< TRAORI
+    bool axes_linear = false;  ///< ORIAXES
+    bool in_machine = false;   ///< ORIMKS
+    std::optional<Meaning> angles;
+    double unit_mm = 1, feed_unit_mm = 1;
+    double feed = 0;  ///< mm/min, 1/min or mm per turn; 0: none
+    double spindle_rpm = unknown;
+    std::uint16_t offset = 0;
+    bool rotary_in_feed = false;  ///< FGROUP names rotary axes
+    std::array<double, program::max_rotary_letters> reference_mm{default_reference_mm, default_reference_mm,
+                                                                 default_reference_mm};
+};
+
+/// The tool that is in use, the one that comes next, and the cutting edge.
+struct ToolInUse {
+    std::string name;
+    std::optional<std::string> prepared;
+    int prepared_edge = 1;       ///< D in the block of T
+    bool changed_by_m6 = false;  ///< else T itself changes
+    std::uint16_t index = 0;     ///< in Program::tools
+};
+
+/// In what the linear words count; positions of machine axes depend on neither offset nor tool, which are 0 then.
+struct CountedIn {
+    program::Space space = program::Space::untransformed;
+    std::uint16_t offset = 0, tool = 0;
+    bool operator==(const CountedIn&) const = default;
+};
+
+/// How to get to a place.
+struct Way {
+    bool rapid = false;
+    std::optional<double> speed_mm_s;   ///< of a cycle; empty: the feed in force
+    std::optional<program::Arc> arc{};  ///< in the work offset's frame
+};
+
+/// Carries out the blocks that the interpreter hands over. sinumerik_reader.cpp: words, modes, tools;
+/// sinumerik_motion.cpp: where a block goes, how fast, and which poses are kept; sinumerik_orientation.cpp: rotary
+/// words, vectors, frames, CYCLE800; sinumerik_cycles.cpp: drilling.
+class SinumerikReader {
+  public:
+    SinumerikReader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control);
+
+    Result<program::Program> read();
+
+  private:
+    // words
+    bool block();
+    bool take(const Word& word);
+    bool letter(char c, const Word& word);
+    bool axis_letter(char c, const Word& word);
+    bool name(const Word& word);
+    bool put(Address address, const Word& word);
+    bool once(const Word*& kept, const Word& word);
+    bool g_word(const Word& word);
+    bool m_word(const Word& word);
+    bool own_word(char letter, int number);
+    bool enter_group(Group group, Meaning meaning, const Word& word);
+    bool mode(const WordRule& rule, const Word& word);
+    bool orientation_mode(Meaning meaning, const Word& word);
+    void set_transform(bool on);
+    bool not_supported(Meaning meaning, const Word& word);
+    bool smoothing_cycle(const Word& word);
+    bool select_offset(const Word& word);
+    bool tool_words();
+    bool select_tool(const Word& word);
+    bool use_tool(int edge, const Word& word);
+    bool feed_group(const Word& word);
+    bool feed_reference(const Word& word);
+    bool spindle_speed(const Word& word);
+    bool feed_word();
+    bool carry_out();
+    bool dwell();
+    bool check_use();
+    bool finish_block();
+
+    // motion
+    bool motion();
+    bool asks_motion() const;
+    bool count_in(bool suppressed);
+    bool linear_word(Address address, Eigen::Vector3d& to);
+    bool circle(Eigen::Vector3d& to, Way& way);
+    bool circle_in_plane(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Way& way);
+    bool circle_through(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Way& way);
+    bool tangential_circle(const Eigen::Vector3d& from, const Eigen::Vector3d& to, Way& way);
+    bool keep_circle(const Result<program::Arc>& arc, Way& way);
+    Eigen::Vector3d centre(const Eigen::Vector3d& from);
+    bool goes_by_angle() const;
+    bool turn_to_angle(const Eigen::Vector3d& from, Eigen::Vector3d& to);
+    double radius_of_angle(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+    Eigen::Vector3d last_direction() const;
+    bool go(const Eigen::Vector3d& to, const Way& way);
+    bool leave_out(const Way& way);
+    bool feed_of(program::Move& move, const Way& way);
+    bool feed_of_rotation(program::Move& move, double speed_mm_s);
+    bool feed_of_group(program::Move& move, const Way& way, double speed_mm_s);
+    bool path_speed(double& speed_mm_s);
+    bool add(program::Move& move);
+    Spot spot_of_motion() const;
+    Result<program::Program> done();
+    bool never_started();
+    void keep_used_letters();
+    void tell_assumptions();
+
+    // orientation and frames
+    bool rotary_word(Address address);
+    bool orientation();
+    bool vector_words(Eigen::Vector3d& vector);
+    bool angle_words(Eigen::Vector3d& vector);
+    bool frame_statement();
+    bool frame_values(double otherwise, double unit, Eigen::Vector3d& values);
+    bool rotation(CoordinateFrame& turned);
+    bool swivel(const Word& call);
+    bool swivel_frame(const Word& call, CoordinateFrame& frame);
+    void leave_plane();
+    void frames_changed();
+    CoordinateFrame frame_in_force() const { return swivel_frame_.with(programmable_); }
+
+    // drilling
+    bool call(const Word& word);
+    bool modal_call();
+    bool run_cycle(const Word& cycle);
+    bool pattern(const Word& word);
+
+    friend class DrillingCycle;
+
+    /// True, so that the word is done with it.
+    bool event(program::EventKind kind, bool stops, std::string word, double dwell_s = 0) {
+        program_.events.push_back({kind, stops, dwell_s, std::move(word), program_.moves.size(), block_.line});
+        return true;
+    }
+    bool refuse(std::string_view code, const Spot& spot, std::string text, std::string_view value = {},
+                std::string_view hint = {}) {
+        return findings_.refuse(code, spot, std::move(text), value, hint);
+    }
+    bool refuse(std::string_view code, const Word& word, std::string text, std::string_view hint = {});
+    Spot spot(Address address) const { return {block_.place.line, said_.column(address), block_.place.file}; }
+
+    Findings findings_;
+    Interpreter interpreter_;
+    const ReadOptions& options_;
+    Control control_;
+    program::Program program_;
+    Block block_;
+    Modes modes_;
+    UnitStatement stated_;
+    ToolInUse tool_;
+
+    // of the block
+    Addresses said_;
+    std::array<Meaning, static_cast<std::size_t>(Group::count)> groups_{};
+    const Word* frame_word_ = nullptr;  ///< TRANS, ROT, …
+    const Word* call_ = nullptr;        ///< a cycle, a pattern, CYCLE800
+    const Word* modal_call_ = nullptr;  ///< MCALL
+    const Word* stop_ = nullptr;
+    const Word *tool_word_ = nullptr, *edge_word_ = nullptr, *change_word_ = nullptr;  ///< T, D, M6
+    bool exact_stop_once_ = false;
+
+    // where things stand
+    CountedIn counted_in_;
+    CoordinateFrame programmable_, swivel_frame_;
+    CoordinateFrame frame_;                        ///< that counted_in_ counts in
+    Eigen::Vector3d position_mm_, programmed_mm_;  ///< in the offset's frame and in frame_; unknown: stays
+    RotaryWords rotary_rad_;                       ///< by the machine's rotary axes; unknown: as they stand
+    std::uint32_t rotary_ever_ = 0;                ///< bit of each rotary axis with a word
+    program::OrientationLaw law_ = program::OrientationLaw::rotary;
+    Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();  ///< of law vector, in the offset's frame
+    bool swivelled_ = false;
+    bool tool_as_swivelled_ = false;  ///< no orientation was programmed since CYCLE800
+    bool whole_pose_needed_ = false;  ///< X, Y and Z must be known before anything moves: the tool was swivelled
+    bool rapid_left_out_ = false;     ///< the programmed place was not gone to: something of it was not known
+    std::optional<Word> modal_cycle_;
+    bool axis_words_ever_ = false, exact_stop_said_ = false, finished_ = false;
+    Spot last_motion_;
+};
+
+}  // namespace trunnion::nc::sinumerik

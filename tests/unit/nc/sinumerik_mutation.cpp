@@ -1,0 +1,112 @@
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "sinumerik_reading.hpp"
+
+namespace trunnion::nc {
+namespace {
+
+/// Xorshift: the same numbers on every platform.
+struct Random {
+    std::uint64_t state;
+    std::size_t below(std::size_t bound) {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        return static_cast<std::size_t>(state >> 16) % bound;
+    }
+};
+
+constexpr std::string_view seeds[] = {
+    "G71 G17 G90 G94 G64\nT=\"A\"\nM6\nTRAORI\nG54 D1\nG0 X0 Y0 Z9 B0 C0 S100 M3\nG1 X1 B30 F60\nG3 X3 Y2 I1 J1 "
+    "TURN=1\n"
+    "G1 A3=1 B3=0 C3=1 X5\nORIRPY\nA2=1 B2=2 C2=3\nTRAFOOF\nSUPA G0 Z5 D0\nB0 C0\nB=DC(10)\nG93 G1 X4 F3\nM30\n",
+    "G0 X0 Y0 Z9\nTRANS X5 Y=2\nAROT X30 Z5\nX1 Y1 Z1\nSCALE X2 Y2 Z2\nG1 X2 F9\nMIRROR Y0\nG2 X5 Y5 CR=9\nROT RPL=20\n"
+    "CIP X0 Y0 Z0 I1=3 J1=9 K1=1\nCT X3 Y9\nTRANS\nG18 G3 X1 Z1 AR=90\nG1 G91 X1 Z=AC(4)\nG4 F2\n",
+    "G0 X0 Y0 Z50\nF120 S99\nMCALL "
+    "CYCLE81(10,0,2,-20)\nX5\nHOLES2(0,0,5,0,90,4)\nMCALL\nCYCLE83(10,0,2,-20,,,8,1,,,1,1)\n"
+    "CYCLE84(10,0,2,-20,,,3,,1.25,90,600)\nCYCLE86(10,0,2,-20,,0,3,-.2,.1,.3,45)\nCYCLE85(9,0,1,-5,,0,9,9)\n",
+    "G0 X0 Y0 Z50\nCYCLE800(0,\"T\",0,57,1,2,3,30,20,10,4,5,6,-1)\nX1 Y2\nZ3\nG1 Z2 F60\nTRANS "
+    "X3\nX1\nTRANS\nCYCLE800(1,\"T\",1,64,0,0,0,"
+    "3,9,0,0,0,0,1)\nG0 X1 Y2 Z3\nCYCLE800()\nG53 X1 D0\nB5 C9\nX9 Y9 Z9\nFGROUP(X,Y,Z,B)\nG1 X9 B9\n",
+};
+constexpr std::string_view pieces[] = {
+    "(",  ")",     ",",    "\n",        "=",     "-",     "X",      "G91",    "G53 ",   "TRAORI",
+    "B5", "1e9",   "99",   ".",         " ",     "G2 ",   "CT ",    "G18",    "SUPA ",  "AROT Y45",
+    "D0", "T3 M6", "A3=1", "G55",       "AC(1)", "IC(1)", "MCALL ", "G70",    "TRANS ", "SCALE X1EX99",
+    "F1", "\xff",  "0",    "TRAFOOF\n", "G500",  "G95",   "1EX300", "TURN=3", "M30",    "CYCLE800()\n"};
+
+std::string mutated(std::string text, Random& random) {
+    for (std::size_t changes = 1 + random.below(4); changes > 0; --changes) {
+        const std::size_t at = random.below(text.size() + 1);
+        const std::size_t kind = random.below(5);
+        const std::size_t amount = 1 + random.below(9);
+        if (kind == 0) text.insert(at, pieces[random.below(std::size(pieces))]);
+        if (kind == 1) text.erase(at, amount);
+        if (kind == 2) text.insert(at, text.substr(random.below(text.size() + 1), 4 * amount));
+        if (kind == 3)
+            text.insert(text.find('\n', at) == text.npos ? at : text.find('\n', at) + 1,
+                        std::string(pieces[random.below(std::size(pieces))]) + "\n");
+        if (kind == 4 && at < text.size()) text[at] = static_cast<char>(random.below(256));
+    }
+    return text;
+}
+
+bool is_sound_arc(const program::Program& p, const program::Move& move) {
+    if (move.arc == program::no_arc) return true;
+    if (move.arc < 0 || static_cast<std::size_t>(move.arc) >= p.arcs.size()) return false;
+    const program::Arc& arc = p.arcs[static_cast<std::size_t>(move.arc)];
+    return arc.centre_mm.allFinite() && std::abs(arc.normal.norm() - 1) < 1e-9 && std::isfinite(arc.angle_rad) &&
+           arc.angle_rad != 0;
+}
+
+void expect_sound(const program::Program& p) {
+    ASSERT_GE(p.moves.size(), 2u);
+    ASSERT_TRUE(p.moves[0].position_mm.allFinite());
+    ASSERT_EQ(p.moves[0].arc, program::no_arc);
+    for (const program::Move& move : p.moves) {
+        ASSERT_FALSE(move.position_mm.array().isInf().any());
+        ASSERT_NEAR(move.axis.norm(), 1, 1e-12);
+        for (const double word : move.rotary_rad) ASSERT_FALSE(std::isinf(word));
+        ASSERT_TRUE(std::isfinite(move.feed.value) && move.feed.value >= 0);
+        ASSERT_EQ(move.feed.rule == program::FeedRule::none, move.kind == program::MoveKind::rapid);
+        ASSERT_LT(move.tool, p.tools.size());
+        ASSERT_LT(move.offset, p.offsets.size());
+        ASSERT_TRUE(is_sound_arc(p, move));
+    }
+    for (const program::Event& event : p.events) ASSERT_LE(event.before_move, p.moves.size());
+}
+
+TEST(SinumerikMutations, ReadOrRefusedButSound) {
+    constexpr std::uint64_t seed = 20261122;
+    SCOPED_TRACE(seed);
+    RecordProperty("seed", std::to_string(seed));
+    Random random{seed};
+    int read = 0, refused = 0;
+    for (int i = 0; i < 8000; ++i) {
+        const std::string text = mutated(std::string(seeds[random.below(std::size(seeds))]), random);
+        ReadOptions options;
+        options.feed_given_elsewhere = random.below(2) == 0;
+        const auto program = read_bc(text, options);
+        SCOPED_TRACE(text);
+        if (program)
+            expect_sound(*program);
+        else
+            ASSERT_TRUE(program.error().code.starts_with("NC0") && !program.error().text.empty());
+        if (HasFatalFailure()) return;
+        ++(program ? read : refused);
+    }
+    EXPECT_GT(read, 400) << "the mutations should leave some programs readable";
+    EXPECT_GT(refused, 800);
+}
+
+TEST(SinumerikMutations, TheSeedsAreGood) {
+    for (const std::string_view seed : seeds) {
+        const auto p = read_bc(seed);
+        EXPECT_TRUE(p) << said(p);
+    }
+}
+
+}  // namespace
+}  // namespace trunnion::nc
