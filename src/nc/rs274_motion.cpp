@@ -65,7 +65,7 @@ bool Rs274Reader::motion() {
     move.space = frame_.space;
     move.law = program::OrientationLaw::rotary;
     move.exact_stop = modal_.exact_stop;
-    move.tool = tool;
+    move.tool = machine_position && program_.tools[tool].ends_with(" D0") ? modal_.tool : tool;
     move.offset = frame_.offset;
     move.line = block_.line;
     return feed_of(move) && (!on_arc || arc_from(start_mm, move)) && add(move);

@@ -291,7 +291,7 @@ bool SinumerikReader::go(const Vector3d& to, const Way& way) {
     move.kind = way.rapid ? MoveKind::rapid : MoveKind::feed;
     move.space = counted_in_.space;
     move.offset = counted_in_.offset;
-    move.tool = tool_.index;
+    move.tool = move.space == Space::machine ? tool_.in_spindle : tool_.index;
     move.exact_stop = modes_.exact_stop || exact_stop_once_;
     move.line = block_.line;
     move.law = move.space == Space::workpiece ? law_ : OrientationLaw::rotary;

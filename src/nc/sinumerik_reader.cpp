@@ -406,16 +406,19 @@ bool SinumerikReader::select_tool(const Word& word) {
     return true;
 }
 
-/// D1, and the habit to say D8 with T8, is the tool as the setup lists it; D0, and no tool at all, is no length.
+/// D1, and the habit to say D8 with T8, is the tool as the setup lists it; D0, and no tool at all, is no length. With
+/// D0 the tool still hangs in the spindle.
 bool SinumerikReader::use_tool(int edge, const Word& word) {
     std::string listed = tool_.name;
-    if (edge == 0 || tool_.name == "0")
+    if (tool_.name == "0")
         listed += " D0";
-    else if (edge != 1 && fmt::format("{}", edge) != tool_.name)
+    else if (edge > 1 && fmt::format("{}", edge) != tool_.name)
         listed += fmt::format(" D{}", edge);
-    const auto index = index_in(program_.tools, listed);
-    if (!index) return refuse("NC0008", word, "more tools than are read");
-    tool_.index = *index;
+    const auto in_spindle = index_in(program_.tools, listed);
+    const auto counted = edge == 0 ? index_in(program_.tools, tool_.name + " D0") : in_spindle;
+    if (!in_spindle || !counted) return refuse("NC0008", word, "more tools than are read");
+    tool_.in_spindle = *in_spindle;
+    tool_.index = *counted;
     return true;
 }
 

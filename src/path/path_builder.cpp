@@ -197,6 +197,8 @@ Result<void> PathBuilder::add_move(Run& run) {
     } else {
         block.length_mm = block_length_mm(run, at_, *to);
     }
+    if (!(block.length_mm <= detail::longest_move_mm))
+        return fail(detail::at_move(*program_, move, "PATH0010", "the move is longer than 10 km"));
     if (block.length_mm < shortest_block_mm) {
         if (block.arc != program::no_arc) run.arcs.pop_back();
         return {};

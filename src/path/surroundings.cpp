@@ -14,10 +14,23 @@ using program::Move;
 using program::MoveKind;
 using program::Program;
 
+namespace {
+
+bool is_far(const Move& move) {
+    const auto far = [](double x) { return std::abs(x) > longest_move_mm; };
+    return move.position_mm.unaryExpr(far).any() || std::ranges::any_of(move.rotary_rad, far) || !move.axis.allFinite();
+}
+
+}  // namespace
+
 Result<Surroundings> Surroundings::make(const Program& program, const machine::Machine& machine,
                                         const machine::Setup& setup) {
     if (program.moves.empty())
         return fail({.code = "PATH0001", .text = "the program moves nothing", .place = {.file = program.source}});
+    for (const Move& move : program.moves)
+        if (is_far(move))
+            return fail(
+                at_move(program, move, "PATH0010", "the move goes beyond 10 km, or a coordinate is not finite"));
     Surroundings out(program, machine, setup);
     if (auto found = out.find_words(); !found) return fail(found.error());
     out.tools_.resize(program.tools.size());

@@ -29,7 +29,6 @@ Result<verify::Verdict> check_setpoints(const std::filesystem::path& setpoints, 
     options.orientation_tolerance_rad = tolerances.orientation_tolerance_rad;
     options.flank_tolerance_mm = tolerances.flank_tolerance_mm;
     options.flank_height_mm = tolerances.flank_height_mm;
-    options.controlled_height_mm = setup.tool.controlled_height_mm();
     return verify::check(*table, *poses, machine, setup, options);
 }
 
@@ -40,6 +39,8 @@ std::string report(const verify::Verdict& v) {
                        "motion off the path", v.tip_deviation_mm, v.orientation_deviation_deg, v.height_deviation_mm);
     out += fmt::format("{:<22}tip {:.4f} mm, orientation {:.4f} deg, at the flank height {:.4f} mm\n",
                        "poses off the motion", v.tip_to_poses_mm, v.orientation_to_poses_deg, v.height_to_poses_mm);
+    out += fmt::format("{:<22}{:.6f} deg at standstills, {:.4f} deg on the way\n", "rotary words missed",
+                       v.words_at_stops_deg, v.words_on_the_way_deg);
     out += fmt::format("{:<22}{:.6f} of the programmed path\n", "covered", v.path_covered);
     for (const auto& a : v.axes)
         out += fmt::format("  {:<20}velocity {:.4f}  acceleration {:.4f}  jerk {:.4f} of the limit\n", a.letter,
@@ -61,6 +62,8 @@ std::string to_json(const verify::Verdict& v) {
                      {"tip_to_poses_mm", v.tip_to_poses_mm},
                      {"orientation_to_poses_deg", v.orientation_to_poses_deg},
                      {"height_to_poses_mm", v.height_to_poses_mm},
+                     {"words_at_stops_deg", v.words_at_stops_deg},
+                     {"words_on_the_way_deg", v.words_on_the_way_deg},
                      {"path_covered", v.path_covered},
                      {"start_error_mm", v.start_error_mm},
                      {"end_error_mm", v.end_error_mm}};

@@ -23,7 +23,7 @@ machine::Machine reading_machine() {
 }
 
 void expect_sound(const program::Move& move, const program::Program& program) {
-    expect(move.position_mm.allFinite(), "positions are finite");
+    expect(!move.position_mm.array().isInf().any(), "positions are finite or left as they are");
     expect(std::abs(move.axis.norm() - 1) < 1e-9, "tool axes are unit vectors");
     for (const double word : move.rotary_rad) expect(!std::isinf(word), "rotary words are finite or absent");
     expect(std::isfinite(move.feed.value) && move.feed.value >= 0, "feeds are finite and not negative");
@@ -34,6 +34,7 @@ void expect_sound(const program::Move& move, const program::Program& program) {
 
 void expect_sound(const program::Program& program) {
     expect(program.moves.size() >= 2, "a program that is read moves something");
+    expect(program.moves.front().position_mm.allFinite(), "the first place is known whole");
     for (const program::Move& move : program.moves) expect_sound(move, program);
     for (const program::Arc& arc : program.arcs) {
         expect(arc.centre_mm.allFinite() && std::isfinite(arc.angle_rad), "arcs are finite");

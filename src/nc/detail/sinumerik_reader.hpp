@@ -92,9 +92,10 @@ struct Modes {
 struct ToolInUse {
     std::string name;
     std::optional<std::string> prepared;
-    int prepared_edge = 1;       ///< D in the block of T
-    bool changed_by_m6 = false;  ///< else T itself changes
-    std::uint16_t index = 0;     ///< in Program::tools
+    int prepared_edge = 1;         ///< D in the block of T
+    bool changed_by_m6 = false;    ///< else T itself changes
+    std::uint16_t index = 0;       ///< in Program::tools: whose length counts
+    std::uint16_t in_spindle = 0;  ///< in Program::tools: what hangs in the spindle, D0 or not
 };
 
 /// In what the linear words count; positions of machine axes depend on neither offset nor tool, which are 0 then.

@@ -28,7 +28,8 @@ struct Surrounding;
 ///
 /// Errors: PATH0001 no motion, PATH0002 tool not in the setup, PATH0003 work offset not in the setup, PATH0006 rotary
 /// words on a machine without such an axis, PATH0008 an arc in untransformed coordinates where the linear axes do not
-/// stand at right angles, PATH0009 an arc that begins on its own axis; and those of Kinematics::make.
+/// stand at right angles, PATH0009 an arc that begins on its own axis, PATH0010 a move beyond or longer than 10 km, or
+/// not finite; and those of Kinematics::make.
 class PathBuilder {
   public:
     static Result<PathBuilder> make(const program::Program& program, const machine::Machine& machine,
