@@ -16,6 +16,7 @@
 #include "trunnion/machine/kinematics.hpp"
 
 #include "random_numbers.hpp"
+#include "sweep.hpp"
 
 namespace {
 
@@ -33,19 +34,6 @@ double apart(double a, double b) {
 Vector3d random_direction(RandomNumbers& random) {
     const double z = random.between(-1, 1), turn = random.between(-pi, pi), r = std::sqrt(1 - z * z);
     return {r * std::cos(turn), r * std::sin(turn), z};
-}
-
-/// Area that the tool axis sweeps on its sphere per rad² of both axes: 0 at the pole and at the rim.
-double sweep_of(const Kinematics& k, const RotaryPosition& rotary) {
-    if (k.rotary_count() < 2) return 1;
-    std::array<Vector3d, 2> rate;
-    for (std::size_t a = 0; a < 2; ++a) {
-        RotarySeries turning{Taylor3(rotary[0]), Taylor3(rotary[1])};
-        turning[a].c[1] = 1;
-        const VectorSeries axis = k.tool_axis(turning);
-        rate[a] = {axis[0].d1(), axis[1].d1(), axis[2].d1()};
-    }
-    return rate[0].cross(rate[1]).norm();
 }
 
 /// What a step of the tip costs the linear axes, mm per mm: without bound where those on both sides of a rotary axis

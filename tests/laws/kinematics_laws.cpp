@@ -15,6 +15,7 @@
 #include "trunnion/machine/kinematics.hpp"
 
 #include "random_numbers.hpp"
+#include "sweep.hpp"
 
 namespace {
 
@@ -70,18 +71,6 @@ Pose product_of_chain(const Machine& machine, const Frame& workpiece, double len
     frame.translation() = workpiece.origin_mm;
     const Eigen::Isometry3d seen = frame.inverse() * motion;
     return {seen * Vector3d(0, 0, -length_mm), seen.linear() * Vector3d::UnitZ()};
-}
-
-double sweep_of(const Kinematics& kinematics, const RotaryPosition& rotary) {
-    if (kinematics.rotary_count() < 2) return 1;
-    std::array<Vector3d, 2> rate;
-    for (std::size_t a = 0; a < 2; ++a) {
-        RotarySeries turning{Taylor3(rotary[0]), Taylor3(rotary[1])};
-        turning[a].c[1] = 1;
-        const VectorSeries axis = kinematics.tool_axis(turning);
-        rate[a] = {axis[0].d1(), axis[1].d1(), axis[2].d1()};
-    }
-    return rate[0].cross(rate[1]).norm();
 }
 
 class Laws : public testing::TestWithParam<std::string> {

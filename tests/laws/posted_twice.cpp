@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/machine_file.hpp"
 #include "trunnion/machine/kinematics.hpp"
+#include "trunnion/nc/read.hpp"
 
 namespace {
 
@@ -120,6 +122,30 @@ TEST_F(PostedTwice, BlockForBlockTheSamePose) {
     EXPECT_LE(axis_rad, same_axis_rad);
     EXPECT_GT(axis_rad, 0);
     std::cout << both.size() << " blocks, tip " << tip_mm << " mm, axis " << axis_rad / degree << " deg\n";
+}
+
+/// What is read of the Siemens program are these blocks: tip in the part, rotary words, in mm and rad.
+TEST_F(PostedTwice, TheReaderGivesTheSameBlocks) {
+    std::ifstream in(std::filesystem::path(TRUNNION_SHARED_DIR) / "data/nc/siemens/dmu70evo_840d_in.mpf");
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    text.resize(text.find("MCALL CYCLE"));  // what follows drills
+    const Machine dmu = shipped("dmu70evo");
+    nc::ReadOptions options;
+    options.machine = &dmu;
+    const auto program = nc::read_program(text, "dmu70evo_840d_in.mpf", options);
+    ASSERT_TRUE(program) << to_string(program.error());
+    ASSERT_EQ(program->dialect, "sinumerik");
+    ASSERT_EQ(program->rotary_letters, (std::vector<char>{'B', 'C'}));
+    std::size_t next = 0;
+    for (const program::Move& move : program->moves) {
+        if (next == siemens.size() || move.space != program::Space::workpiece) continue;
+        const Block& block = siemens[next];
+        const bool same = (move.position_mm - block.xyz_mm).norm() < 1e-9 &&
+                          std::abs(move.rotary_rad[0] - block.bc_rad[0]) < 1e-12 &&
+                          std::abs(move.rotary_rad[1] - block.bc_rad[1]) < 1e-12;
+        next += same ? 1 : 0;
+    }
+    EXPECT_EQ(next, siemens.size());
 }
 
 /// Each program's angles come out of the other's by the inverse, on one of the two branches.

@@ -4,21 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "random.hpp"
 #include "reading.hpp"
 
 namespace trunnion::nc {
 namespace {
-
-/// Xorshift: the same numbers on every platform.
-struct Random {
-    std::uint64_t state;
-    std::size_t below(std::size_t bound) {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        return static_cast<std::size_t>(state >> 16) % bound;
-    }
-};
 
 constexpr std::string_view seeds[] = {
     "%\nN1 (a) G21 G90 G94 G54\nT8 M6 S3500 M3\nG0 X0 Y0 Z10 A0 C0 ; b\ng1x  1.5y- 2z.5a+30.c11f600\nG91 X2\nG4 P2.5\n"

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "detail/sinumerik_interpreter.hpp"
+#include "random.hpp"
 
 namespace trunnion::nc::sinumerik {
 namespace {
@@ -589,17 +590,6 @@ TEST(SinumerikRealFiles, AreCarriedOut) {
     // It calls subprograms that are not with it.
     EXPECT_EQ(carried_out("edytornc_sinumerik840d.nc").error.code, "NC0531");
 }
-
-/// Xorshift: the same numbers on every platform.
-struct Random {
-    std::uint64_t state;
-    std::size_t below(std::size_t bound) {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        return static_cast<std::size_t>(state >> 16) % bound;
-    }
-};
 
 TEST(SinumerikMutation, AnyTextEnds) {
     constexpr std::string_view seed =

@@ -2,21 +2,11 @@
 #include <cstdint>
 #include <string>
 
+#include "random.hpp"
 #include "sinumerik_reading.hpp"
 
 namespace trunnion::nc {
 namespace {
-
-/// Xorshift: the same numbers on every platform.
-struct Random {
-    std::uint64_t state;
-    std::size_t below(std::size_t bound) {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        return static_cast<std::size_t>(state >> 16) % bound;
-    }
-};
 
 constexpr std::string_view seeds[] = {
     "G71 G17 G90 G94 G64\nT=\"A\"\nM6\nTRAORI\nG54 D1\nG0 X0 Y0 Z9 B0 C0 S100 M3\nG1 X1 B30 F60\nG3 X3 Y2 I1 J1 "
