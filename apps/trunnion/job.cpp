@@ -130,7 +130,7 @@ Result<Job> load(const JobOptions& options) {
                                         .severity = Severity::warning,
                                         .text = "no setup given: program zero at the machine zero, tool length 0",
                                         .hint = "give --setup"});
-    return Job{std::move(*program), std::move(*machine), std::move(setup), std::move(*plan), read_s};
+    return Job{std::move(*program), std::move(*machine), std::move(setup), *plan, read_s};
 }
 
 void print(const Diagnostic& diagnostic, bool quiet) {

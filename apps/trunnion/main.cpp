@@ -1,11 +1,11 @@
 #include <cstdio>
 #include <exception>
 
-#include <fmt/format.h>
-
 #include "commands.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
     using namespace trunnion::app;
     int status = done;
     CLI::App app("Trunnion: from a 5-axis part program to motion that the machine can really make.", "trunnion");
@@ -21,9 +21,17 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? done : bad_input;
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "error: {}\n", error.what());
-        return own_fault;
     }
     return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "error: %s\n", error.what());
+        return trunnion::app::own_fault;
+    }
 }

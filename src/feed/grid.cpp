@@ -12,7 +12,6 @@ namespace {
 
 using path::AxisPath;
 using path::AxisSample;
-using path::PathPlace;
 
 constexpr double turn_tolerance =
     0.004;  // how far q′ may bend from its chord within an interval, of the leading axis' q′

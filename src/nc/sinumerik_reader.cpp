@@ -50,7 +50,7 @@ bool says_m6(std::string_view text) {
 SinumerikReader::SinumerikReader(std::string_view text, std::string_view file_name, const ReadOptions& options,
                                  Control control)
     : findings_(file_name),
-      interpreter_(text, file_name, findings_, is_word),
+      interpreter_(text, file_name, findings_, is_word, {.lines = options.most_repeated_lines}),
       options_(options),
       control_(std::move(control)) {
     program_.source = file_name;

@@ -62,6 +62,7 @@ void FeedDropCollector::close() {
 std::vector<FeedDrop> FeedDropCollector::take(std::size_t most) {
     if (drops_.size() > most) {
         std::vector<double> lost;
+        lost.reserve(drops_.size());
         for (const FeedDrop& drop : drops_) lost.push_back(drop.lost_s);
         std::nth_element(lost.begin(), lost.begin() + static_cast<std::ptrdiff_t>(most), lost.end(), std::greater<>());
         std::erase_if(drops_, [least = lost[most]](const FeedDrop& drop) { return drop.lost_s <= least; });

@@ -16,7 +16,7 @@ namespace trunnion::verify {
 
 namespace {
 
-constexpr std::size_t piece_size = 64 * 1024;
+constexpr std::size_t piece_size = 1U << 16U;
 
 std::string_view name_of(PoseKind kind) {
     switch (kind) {

@@ -83,8 +83,9 @@ Result<ProgrammedLine::Segment> ProgrammedLine::segment_to(std::size_t pose, con
         out.from = rotary_position(from, machine, setup);
     } else if (opposite(from.axis, to.axis)) {
         return fail(fault_at(to.line, "VER0105", "the tool axis is turned by half a turn: the plane is undefined"));
-    } else if ((out.angle_rad = angle_between(from.axis, to.axis)) > 1e-12) {
+    } else if (const double angle = angle_between(from.axis, to.axis); angle > 1e-12) {
         out.law = Law::plane;
+        out.angle_rad = angle;
         out.across = (to.axis - to.axis.dot(from.axis) * from.axis).normalized();
     }
     return out;

@@ -55,6 +55,7 @@ void take_program(std::string_view dialect, std::string_view bytes) {
     options.dialect = nc::dialect_named(dialect);
     if (!options.dialect) return;  // a dialect that is still to come
     options.machine = &machine;
+    options.most_repeated_lines = 10'000;  // endless loops are many, and each takes its time
     options.feed_given_elsewhere = bytes.size() % 2 == 0;  // both kinds of reading, and any file is a seed
     if (const auto recognised = nc::recognise(bytes); !recognised) expect_sound(recognised.error(), bytes);
     const auto program = nc::read_program(bytes, "fuzz", options);

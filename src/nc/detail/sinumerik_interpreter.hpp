@@ -10,9 +10,9 @@ namespace trunnion::nc::sinumerik {
 
 /// What a program may use up before it is refused. Recursion ends at the calls, a loop without an end at the lines.
 struct Limits {
-    int calls = 16;                   ///< subprograms within each other, NC0541
-    std::int64_t lines = 20'000'000;  ///< lines carried out again or in subprograms, NC0542: the text once is free
-    int brackets = 64;                ///< within each other in an expression, NC0543
+    int calls = 16;                  ///< subprograms within each other, NC0541
+    std::int64_t lines = 5'000'000;  ///< lines carried out again or in subprograms, NC0542: the text once is free
+    int brackets = 64;               ///< within each other in an expression, NC0543
     std::int64_t array_elements = 1000000;  ///< in all arrays together, NC0544
     int words = 1000;                       ///< words of a block, arguments of a call, NC0545
 };

@@ -31,6 +31,9 @@ struct ReadOptions {
     const machine::Machine* machine =
         nullptr;                        ///< rotary words and words of one control need it; read only while reading
     bool feed_given_elsewhere = false;  ///< a missing feed is no error: such moves get the value 0
+    /// sinumerik: lines that jumps, loops and subprograms may carry out beyond the text once, about 1 µs each; more is
+    /// a program without an end (NC0542).
+    std::int64_t most_repeated_lines = 5'000'000;
 };
 
 /// The dialect of a text, by the first line that tells. Looks at no file name. Allocates nothing unless it fails.
