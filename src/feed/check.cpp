@@ -67,6 +67,33 @@ double Peaks::worst() const {
                      *std::ranges::max_element(jerk)});
 }
 
+namespace {
+
+/// Loads of one axis at one place, of its limits.
+struct Load {
+    double velocity, acceleration, jerk;
+};
+Load load_of(const PathSample& s, const Motion& m, int axis, const machine::AxisLimits& limit) {
+    return {s.q1[axis] * m.root / limit.velocity, (s.q2[axis] * m.x + 0.5 * s.q1[axis] * m.d) / limit.acceleration,
+            ((s.q3[axis] * m.x + 1.5 * s.q2[axis] * m.d) * m.root + 0.5 * s.q1[axis] * m.e_root) / limit.jerk};
+}
+
+/// The places of an arc near its standstill.
+void add_near_rest(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits, Peaks& out) {
+    for (const NearRest& near : interval.near_rest) {
+        const bool start = piece.kind == ProfilePiece::Kind::rest_start;
+        const Motion m = motion_at(piece, start ? near.from_rest_mm : piece.length_mm - near.from_rest_mm);
+        for (int a = 0; a < limits.count; ++a) {
+            const Load load = load_of(near.sample, m, a, limits.axes[a]);
+            out.velocity[a] = std::max(out.velocity[a], std::abs(load.velocity));
+            out.acceleration[a] = std::max(out.acceleration[a], std::abs(load.acceleration));
+            out.jerk[a] = std::max(out.jerk[a], std::abs(load.jerk));
+        }
+    }
+}
+
+}  // namespace
+
 Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits) {
     std::array<Motion, samples_per_interval> m;
     Peaks out;
@@ -75,21 +102,19 @@ Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitS
         out.feed = std::max(out.feed, m[i].root / std::sqrt(interval.samples[i].feed_cap));
     }
     for (int a = 0; a < limits.count; ++a) {
-        const machine::AxisLimits& limit = limits.axes[a];
-        const double per_acceleration = 1 / limit.acceleration, per_jerk = 1 / limit.jerk;
         Samples velocity, acceleration, jerk;
         for (int i = 0; i < samples_per_interval; ++i) {
-            const PathSample& s = interval.samples[i];
-            velocity[i] = s.q1[a] * m[i].root / limit.velocity;
-            acceleration[i] = (s.q2[a] * m[i].x + 0.5 * s.q1[a] * m[i].d) * per_acceleration;
-            jerk[i] =
-                ((s.q3[a] * m[i].x + 1.5 * s.q2[a] * m[i].d) * m[i].root + 0.5 * s.q1[a] * m[i].e_root) * per_jerk;
+            const Load load = load_of(interval.samples[i], m[i], a, limits.axes[a]);
+            velocity[i] = load.velocity;
+            acceleration[i] = load.acceleration;
+            jerk[i] = load.jerk;
         }
         const double left_out = piece.kind == ProfilePiece::Kind::cubic ? 0 : left_out_of_arcs;
         out.velocity[a] = peak(velocity, left_out);
         out.acceleration[a] = peak(acceleration, left_out);
         out.jerk[a] = peak(jerk, left_out);
     }
+    if (piece.kind != ProfilePiece::Kind::cubic) add_near_rest(interval, piece, limits, out);
     return out;
 }
 

@@ -24,6 +24,7 @@ constexpr double arc_share_of_path = 0.01, arc_share_of_segment = 0.04;
 constexpr int shortest_arc_steps = 80, most_straightening_steps = 20;
 constexpr double intervals_of_transition = 8;
 constexpr int least_halvings = 1, deepest_halving = 36;
+constexpr double nearest_to_rest = 1e-6, near_rest_step = 1.25;
 constexpr double rounding_down = 0.3;  // a stretch of 1.3 sizes is still one interval
 
 /// A part of one path piece under one feed.
@@ -159,11 +160,11 @@ double Gridder::arc_length(const Segment& within, RestSide side) const {
 void Gridder::take_arcs() {
     Segment& first = segments_.front();
     const double start = arc_length(first, RestSide::start), stop = arc_length(segments_.back(), RestSide::stop);
-    start_arc_ = {{first.piece, first.begin_mm}, start, first.block};
+    start_arc_ = {{first.piece, first.begin_mm}, start, first.block, true, false};
     first.begin_mm += start;
     Segment& last = segments_.back();
     last.end_mm -= stop;
-    stop_arc_ = {{last.piece, last.end_mm}, stop, last.block};
+    stop_arc_ = {{last.piece, last.end_mm}, stop, last.block, false, true};
 }
 
 double Gridder::speed_cap(const PathSample& s) const {
@@ -317,12 +318,21 @@ Result<Interval> sample_cell(const AxisPath& path, const Cell& cell) {
     out.begin = cell.begin;
     out.length_mm = cell.length_mm;
     const auto& blocks = path.tool_path().blocks;
-    AxisSample at;
-    for (int i = 0; i < samples_per_interval; ++i) {
-        path.evaluate({cell.begin.piece, cell.begin.offset_mm + cell.length_mm * i / (samples_per_interval - 1)}, at);
-        out.samples[i] = sample_of(at, blocks.empty() ? nullptr : &blocks[cell.block], path.axis_count());
-        if (!is_finite(out.samples[i])) return fail(not_finite(path, cell));
-    }
+    bool finite = true;
+    const auto sample = [&](double way_mm) {
+        AxisSample at;
+        path.evaluate({cell.begin.piece, cell.begin.offset_mm + way_mm}, at);
+        const PathSample taken = sample_of(at, blocks.empty() ? nullptr : &blocks[cell.block], path.axis_count());
+        finite = finite && is_finite(taken);
+        return taken;
+    };
+    for (int i = 0; i < samples_per_interval; ++i)
+        out.samples[i] = sample(cell.length_mm * i / (samples_per_interval - 1));
+    if (cell.from_rest || cell.to_rest)
+        for (double u = cell.length_mm / (samples_per_interval - 1); u > nearest_to_rest * cell.length_mm;
+             u /= near_rest_step)
+            out.near_rest.push_back({u, sample(cell.from_rest ? u : cell.length_mm - u)});
+    if (!finite) return fail(not_finite(path, cell));
     return out;
 }
 

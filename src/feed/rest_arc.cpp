@@ -55,15 +55,17 @@ double arc_jerk_mm_s3(double alpha) {
 
 double largest_alpha(const Interval& interval, RestSide side, const LimitSet& limits, const Tightening& tightening) {
     double alpha = std::numeric_limits<double>::max();
-    for (int i = 0; i < samples_per_interval; ++i) {
-        const int from_rest = side == RestSide::start ? i : samples_per_interval - 1 - i;
-        const double u = interval.length_mm * from_rest / (samples_per_interval - 1);
-        const PathSample& s = interval.samples[i];
+    const auto hold_at = [&](double u, const PathSample& s) {
         alpha = std::min(alpha, jerk_alpha(s, u, side, limits, tightening));
-        if (from_rest == 0) continue;
+        if (u == 0) return;
         alpha = std::min(
             {alpha, speed_alpha(s, u, limits, tightening), acceleration_alpha(s, u, side, limits, tightening)});
+    };
+    for (int i = 0; i < samples_per_interval; ++i) {
+        const int from_rest = side == RestSide::start ? i : samples_per_interval - 1 - i;
+        hold_at(interval.length_mm * from_rest / (samples_per_interval - 1), interval.samples[i]);
     }
+    for (const NearRest& near : interval.near_rest) hold_at(near.from_rest_mm, near.sample);
     return alpha;
 }
 

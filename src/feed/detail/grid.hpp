@@ -13,6 +13,7 @@ struct Cell {
     path::PathPlace begin;
     double length_mm = 0;
     std::size_t block = 0;  ///< of the tool path, whose feed holds
+    bool from_rest = false, to_rest = false;
 };
 
 /// Cells from begin to end of the path; the first and the last one are the arcs at rest. Sizes follow the path, grow by
