@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -595,11 +597,10 @@ Result<Diagnostic> StandChoice::explain(Stage& stage, const State& before) {
 /// The retract and turn after which the axes stay inside longest. Every way that lasts beyond the excess is also there
 /// at the end of the move before it, so that is the last place to retract.
 Result<std::string> StandChoice::remedy(const Stage& stage, const Excess& excess, const ToolPose& before) {
-    const std::string nothing =
+    constexpr std::string_view nothing =
         "no retract and turn of the rotary axes would do; check the setup's origin and tool length, or turn the part "
-        "on "
-        "the table";
-    if (excess.move == stage.first) return nothing;
+        "on the table";
+    if (excess.move == stage.first) return std::string(nothing);
     ToolPose pose = before;
     for (std::size_t k = stage.first; k < excess.move; ++k) {
         const auto next = way_.end_of(k, pose.tip_mm);
@@ -624,7 +625,7 @@ Result<std::string> StandChoice::remedy(const Stage& stage, const Excess& excess
             if (end->move > longest.move || nearer) longest = *end, best = begin;
         }
     }
-    if (longest.move == excess.move) return nothing;
+    if (longest.move == excess.move) return std::string(nothing);
     std::string standing, turning;
     for (int a = 0; a < machine_.rotary_count; ++a) {
         const double from = excess.before[a], by = best[a] - from;

@@ -100,7 +100,7 @@ std::optional<PoleSide> side_of_pole(const machine::Kinematics& kinematics, cons
 }
 
 /// A way that bends where the free axis stops being free cannot be followed: the axis would have to start at once.
-inline constexpr double most_rest_rad = 1e-5;
+inline constexpr double most_rest_rad = 1e-7;  // a fiftieth of an arc second: no encoder sees it
 
 /// Goes from one parameter to another, fine enough that the nearest solution is the continuous one: small turns, and no
 /// change of branch but at the pole itself. A change of branch between two places is a passage of the pole that was
