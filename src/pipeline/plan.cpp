@@ -26,6 +26,7 @@ using program::FeedRule;
 namespace {
 
 constexpr std::size_t most_feed_drops = 200;
+constexpr double far_slower = 20;        // than without jerk limits, after a fallback of the planner
 constexpr double joint_slack = 1e-6;     // mm or rad between the end of a stretch and the start of the next
 constexpr double turn_slack_rad = 2e-9;  // of an axis that is free to turn: third differences feel more than that
 
@@ -72,6 +73,7 @@ class PlanRun {
     void events_of_stretch(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table);
     void account(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table);
     void count_stop(const path::ToolPath& stretch);
+    void tell_of_slowness(const path::ToolPath& stretch, double time_s, double bound_s);
     void sample(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table);
     void path_samples(const path::AxisPath& path, const motion::FeedProfile& profile, const StretchTable& table);
     void hold_until(double time_s);
@@ -259,6 +261,8 @@ Result<void> PlanRun::perform(const path::AxisPath& path) {
         if (error.place.line == 0 && !stretch.blocks.empty()) error.place.line = stretch.blocks.front().line;
         return fail(error);
     }
+    if (plan->fallbacks > 0 && plan->profile.duration_s() > far_slower * plan->jerk_free_bound_s)
+        tell_of_slowness(stretch, plan->profile.duration_s(), plan->jerk_free_bound_s);
     const Stopwatch watch(summary_.work.sample_s);
     const StretchTable table = StretchTable::of(path, plan->profile, s_mm_);
     if (!moved_) at_ = path.begin_position();
@@ -275,6 +279,16 @@ Result<void> PlanRun::perform(const path::AxisPath& path) {
     p_mm_ += stretch.length_mm();
     last_stop_ = stretch.stop;
     return {};
+}
+
+void PlanRun::tell_of_slowness(const path::ToolPath& stretch, double time_s, double bound_s) {
+    summary_.diagnostics.push_back({.code = "PIPE0102",
+                                    .severity = Severity::warning,
+                                    .text = "the feed planner found no good plan here: far slower than it needs to be",
+                                    .place = {.file = program_.source, .line = stretch.blocks.front().line},
+                                    .value = fmt::format("{:.3g} s", time_s),
+                                    .limit = fmt::format("{:.3g} s without jerk limits", bound_s),
+                                    .hint = "lead the tool axis farther from the pole"});
 }
 
 /// Events that fall before a block while the axes stand; dwells pass time.
