@@ -91,7 +91,7 @@ class StandChoice {
         : program_(program),
           machine_(machine),
           surroundings_(std::move(surroundings)),
-          way_(program, machine, surroundings_) {}
+          way_(program, surroundings_) {}
     StandChoice(const StandChoice&) = delete;
 
     Result<std::vector<RotaryStand>> operator()();

@@ -27,8 +27,8 @@ struct AlongWay {
 /// Moves of law vector as programmed, pose by pose, with the rotary axes followed along.
 class VectorWay {
   public:
-    VectorWay(const program::Program& program, const machine::Machine& machine, Surroundings& surroundings)
-        : program_(&program), machine_(&machine), surroundings_(&surroundings) {}
+    VectorWay(const program::Program& program, Surroundings& surroundings)
+        : program_(&program), surroundings_(&surroundings) {}
 
     /// The pose at the end of a move that begins with the tip at `tip_before_mm`.
     Result<ToolPose> end_of(std::size_t move, const Eigen::Vector3d& tip_before_mm) const;
@@ -62,7 +62,6 @@ class VectorWay {
                                               const AlongWay& along);
 
     const program::Program* program_;
-    const machine::Machine* machine_;
     Surroundings* surroundings_;
 };
 
