@@ -336,10 +336,21 @@ TEST(RandomPrograms, hold_every_limit_and_tolerance) {
     plan_and_check_all({wide("ucp710")}, false, 40);
 }
 
+std::vector<machine::Machine> machines_of_every_kind() {
+    return {wide("ucp710"),     wide("head-head"),     wide("nutating-table"),
+            wide("head-table"), wide("nutating-head"), wide("trunnion-bc")};
+}
+
 TEST(RandomPrograms, of_every_kind_on_machines_of_every_kind) {
-    plan_and_check_all({wide("ucp710"), wide("head-head"), wide("nutating-table"), wide("head-table"),
-                        wide("nutating-head"), wide("trunnion-bc")},
-                       true, 60);
+    plan_and_check_all(machines_of_every_kind(), true, 60);
+}
+
+/// Seeds that once found a limit broken at rest beside the pole, or a standstill that the checker lost.
+TEST(RandomPrograms, that_once_found_a_fault) {
+    const auto machines = machines_of_every_kind();
+    for (const std::uint64_t seed : {14, 172, 256, 568, 1066, 2108, 2111})
+        plan_and_check(seed, machines[seed % machines.size()], true);
+    plan_and_check(545, wide("ucp710"), false);
 }
 
 }  // namespace

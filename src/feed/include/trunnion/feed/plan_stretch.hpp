@@ -35,9 +35,10 @@ struct AxisPeaks {
 
 struct StretchPlan {
     motion::FeedProfile profile;
-    std::vector<Cause> causes;                         ///< one a piece of the profile
-    std::array<AxisPeaks, machine::max_axes> peaks{};  ///< at nine samples a piece and the parabolas between them
-    double jerk_free_bound_s = 0;                      ///< same path, velocity, acceleration and feed limits only
+    std::vector<Cause> causes;  ///< one a piece of the profile
+    std::array<AxisPeaks, machine::max_axes>
+        peaks{};                   ///< at nine samples a piece and the parabolas between, and nearer to rest
+    double jerk_free_bound_s = 0;  ///< same path, velocity, acceleration and feed limits only
     std::size_t intervals = 0;
     int windows = 0, iterations = 0, tightening_rounds = 0;
     int fallbacks = 0;  ///< windows whose plan is not the optimum
@@ -47,7 +48,7 @@ struct StretchPlan {
 double feed_speed_cap(const path::BlockSpan& block, const path::AxisSample& sample);
 
 /// Grids a stretch and plans its speed in minimum time from rest to rest (FeedPlanner): all axis limits (`rapid` ones
-/// for a rapid) and the programmed feed are held to 1.0005. The grid follows the path: fine where an axis' direction
+/// for a rapid) and the programmed feed are held to 1.0004. The grid follows the path: fine where an axis' direction
 /// turns, near rest points and where the feed changes, some millimetres where nothing happens. Errors: FEED0001 an
 /// option outside its range, FEED0002 derivatives of the path are not finite, FEED0003 / FEED0004 as FeedPlanner,
 /// FEED0005 the stretch has no length. Cost about 50 µs an interval; memory 0.3 kB an interval beside the planner's
