@@ -16,6 +16,7 @@
 #include "trunnion/machine/kinematics.hpp"
 
 #include "random_numbers.hpp"
+#include "shipped_machine.hpp"
 #include "sweep.hpp"
 
 namespace {
@@ -84,27 +85,8 @@ struct Misses {
     }
 };
 
-std::vector<std::string> machine_files() {
-    std::vector<std::string> out;
-    for (const auto& entry :
-         std::filesystem::directory_iterator(std::filesystem::path(TRUNNION_SOURCE_DIR) / "data" / "machines"))
-        if (entry.path().extension() == ".toml") out.push_back(entry.path().string());
-    std::ranges::sort(out);
-    return out;
-}
-
-class Accuracy : public testing::TestWithParam<std::string> {
+class Accuracy : public OnShippedMachine {
   protected:
-    void SetUp() override {
-        auto read = files::read_machine_file(GetParam());
-        ASSERT_TRUE(read) << to_string(read.error());
-        machine = *read;
-        workpiece.origin_mm = {12.5, -34.0, 56.25};
-        workpiece.rotation = Eigen::AngleAxisd(0.4, Vector3d(1, -2, 3).normalized()).toRotationMatrix();
-        auto made = Kinematics::make(machine, workpiece, 87.5);
-        ASSERT_TRUE(made) << to_string(made.error());
-        kinematics.emplace_back(*made);
-    }
     AxisPosition random_position() {
         AxisPosition q;
         for (int i = 0; i < machine.axis_count; ++i) {
@@ -114,12 +96,6 @@ class Accuracy : public testing::TestWithParam<std::string> {
         }
         return q;
     }
-    const Kinematics& k() const { return kinematics.front(); }
-
-    RandomNumbers random{random_seed()};
-    Machine machine;
-    Frame workpiece;
-    std::vector<Kinematics> kinematics;
 };
 
 TEST_P(Accuracy, OfAMillionPoses) {
@@ -223,11 +199,6 @@ TEST_P(Accuracy, OfDerivativesBesideThePole) {
     }
 }
 
-std::string stem(const testing::TestParamInfo<std::string>& info) {
-    std::string out = std::filesystem::path(info.param).stem().string();
-    std::ranges::replace_if(out, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-    return out;
-}
 INSTANTIATE_TEST_SUITE_P(Shipped, Accuracy, testing::ValuesIn(machine_files()), stem);
 
 /// Linear axes askew, rotary ones in any direction and place, in any order; every third with cones of equal angles (it

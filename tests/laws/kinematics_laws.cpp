@@ -15,6 +15,7 @@
 #include "trunnion/machine/kinematics.hpp"
 
 #include "random_numbers.hpp"
+#include "shipped_machine.hpp"
 #include "sweep.hpp"
 
 namespace {
@@ -25,18 +26,6 @@ using Eigen::Vector3d;
 
 constexpr int trials = 2000;
 constexpr double pi = std::numbers::pi;
-
-std::filesystem::path machines_folder() {
-    return std::filesystem::path(TRUNNION_SOURCE_DIR) / "data" / "machines";
-}
-
-std::vector<std::string> machine_files() {
-    std::vector<std::string> out;
-    for (const auto& entry : std::filesystem::directory_iterator(machines_folder()))
-        if (entry.path().extension() == ".toml") out.push_back(entry.path().string());
-    std::ranges::sort(out);
-    return out;
-}
 
 /// Those with two rotary axes: all of them reach their pole.
 std::vector<std::string> files_with_a_pole() {
@@ -73,20 +62,8 @@ Pose product_of_chain(const Machine& machine, const Frame& workpiece, double len
     return {seen * Vector3d(0, 0, -length_mm), seen.linear() * Vector3d::UnitZ()};
 }
 
-class Laws : public testing::TestWithParam<std::string> {
+class Laws : public OnShippedMachine {
   protected:
-    void SetUp() override {
-        auto read = files::read_machine_file(GetParam());
-        ASSERT_TRUE(read) << to_string(read.error());
-        machine = *read;
-        workpiece.origin_mm = {12.5, -34.0, 56.25};
-        workpiece.rotation = Eigen::AngleAxisd(0.4, Vector3d(1, -2, 3).normalized()).toRotationMatrix();
-        auto made = Kinematics::make(machine, workpiece, tool_length_mm);
-        ASSERT_TRUE(made) << to_string(made.error());
-        kinematics.emplace_back(*made);
-    }
-
-    const Kinematics& k() const { return kinematics.front(); }
     bool right_angles() const {
         return std::ranges::all_of(machine.axes,
                                    [](const Axis& axis) { return axis.direction.cwiseAbs().maxCoeff() == 1; });
@@ -133,12 +110,6 @@ class Laws : public testing::TestWithParam<std::string> {
         }
         return out;
     }
-
-    static constexpr double tool_length_mm = 87.5;
-    RandomNumbers random{random_seed()};
-    Machine machine;
-    Frame workpiece;
-    std::vector<Kinematics> kinematics;
 };
 
 TEST_P(Laws, ForwardIsTheProductOfTheChain) {
@@ -406,11 +377,6 @@ TEST_P(PoleLaws, SeriesOfANearMissAreExact) {
     }
 }
 
-std::string stem(const testing::TestParamInfo<std::string>& info) {
-    std::string out = std::filesystem::path(info.param).stem().string();
-    std::ranges::replace_if(out, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-    return out;
-}
 INSTANTIATE_TEST_SUITE_P(Shipped, Laws, testing::ValuesIn(machine_files()), stem);
 INSTANTIATE_TEST_SUITE_P(Shipped, PoleLaws, testing::ValuesIn(files_with_a_pole()), stem);
 
