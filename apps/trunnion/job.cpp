@@ -1,5 +1,6 @@
 #include "job.hpp"
 
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 
@@ -38,7 +39,14 @@ void JobOptions::add_planning_to(CLI::App& command) {
     command.add_option("--feed-override", feed_override, "of all programmed feeds")->capture_default_str();
     command.add_option("--feed", feed, "replaces programmed feeds, e.g. 20m/min");
     command.add_option("--jerk-margin", jerk_margin, "share of the axes' jerk to leave unused")->capture_default_str();
+    command.add_option("--chord-error", chord_error,
+                       "largest distance of straight steps between setpoints from the tip's path, e.g. 5um");
+    command.add_option("--tip-acceleration", tip_acceleration, "limit along the tip's path, e.g. \"2 m/s^2\"");
+    command.add_option("--tip-jerk", tip_jerk, "limit along the tip's path, e.g. \"50 m/s^3\"");
+    command.add_option("--tool-turn", tool_turn, "limit of how fast the tool turns, e.g. \"90 deg/s\"");
     command.add_option("--period", period, "time between setpoints")->capture_default_str();
+    command.add_option("--threads", threads, "1 or 2: a second one makes the path ahead; the results are the same")
+        ->capture_default_str();
 }
 
 namespace {
@@ -60,6 +68,13 @@ Result<void> set(double& target, const char* name, const std::string& text, Dime
     return {};
 }
 
+Result<int> thread_count(const std::string& text) {
+    int count = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+    if (error == std::errc() && end == text.data() + text.size()) return count;
+    return fail({.code = "PIPE0001", .text = "--threads must be 1 or 2", .value = text});
+}
+
 Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
     pipeline::PlanOptions out;
     auto& smoothing = out.smoothing;
@@ -74,11 +89,19 @@ Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
         set(out.feed_override, "--feed-override", job.feed_override, dimension::ratio),
         set(out.feed.jerk_margin, "--jerk-margin", job.jerk_margin, dimension::ratio),
         set(out.period_s, "--period", job.period, dimension::time),
+        set(out.feed.chord_error_mm, "--chord-error", job.chord_error, dimension::length),
+        set(out.feed.tip_acceleration_mm_s2, "--tip-acceleration", job.tip_acceleration, dimension::acceleration),
+        set(out.feed.tip_jerk_mm_s3, "--tip-jerk", job.tip_jerk, dimension::jerk),
+        set(out.feed.turn_velocity_rad_s, "--tool-turn", job.tool_turn, dimension::angular_velocity),
         set(feed_mm_s, "--feed", job.feed, dimension::velocity)};
     for (const auto& part : parts)
         if (!part) return fail(part.error());
     if (!job.feed.empty()) out.feed_mm_s = feed_mm_s;
     out.feed.calm = job.calm;
+    const auto threads = thread_count(job.threads);
+    if (!threads) return fail(threads.error());
+    out.threads = *threads;
+    out.worth = job.worth;
     return out;
 }
 

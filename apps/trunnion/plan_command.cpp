@@ -23,11 +23,27 @@ struct PlanCommand {
     std::string setpoints, summary, path, programmed, events;
 };
 
-/// Shows the share done on a terminal; false when the user wants to stop.
-bool show_progress(double share, bool visible) {
-    if (visible) fmt::print(stderr, "\r{:3.0f} % planned{}", 100 * share, share >= 1 ? "\r                \r" : "");
-    return stop_wanted == 0;
-}
+/// The share done, on a terminal: one line, written anew with every percent and wiped at the end.
+class ProgressLine {
+  public:
+    explicit ProgressLine(bool visible) : visible_(visible) {}
+    ~ProgressLine() {
+        if (shown_ >= 0) fmt::print(stderr, "\r{:<16}\r", "");
+    }
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+
+    void show(double share) {
+        const int percent = static_cast<int>(100 * share);
+        if (!visible_ || percent == shown_) return;
+        shown_ = percent;
+        fmt::print(stderr, "\r{:3} % planned", percent);
+    }
+
+  private:
+    bool visible_;
+    int shown_ = -1;
+};
 
 Result<void> write_programmed(const PlanCommand& command, const Job& job) {
     if (command.programmed.empty()) return {};
@@ -42,9 +58,12 @@ Result<pipeline::Summary> run(const PlanCommand& command) {
     auto job = load(command.job);
     if (!job) return fail(job.error());
     job->options.path_samples = !command.path.empty();
-    const bool visible = !command.job.quiet && isatty(STDERR_FILENO) != 0;
+    ProgressLine progress(!command.job.quiet && isatty(STDERR_FILENO) != 0);
     auto files = pipeline::PlanFiles::create({command.setpoints, command.path, command.events}, job->machine,
-                                             [visible](double share) { return show_progress(share, visible); });
+                                             [&progress](double share) {
+                                                 progress.show(share);
+                                                 return stop_wanted == 0;
+                                             });
     if (!files) return fail(files.error());
     auto summary = pipeline::plan(job->program, job->machine, job->setup, job->options, **files);
     if (!summary) return summary;
@@ -80,6 +99,8 @@ void add_plan_command(CLI::App& app, int& status) {
     plan->add_option("--events", command->events, "events as CSV");
     command->job.add_to(*plan);
     command->job.add_planning_to(*plan);
+    plan->add_flag("--worth", command->job.worth,
+                   "what 10 % more of each limit and twice each tolerance would save, by planning again with it");
     plan->footer("Example:\n  trunnion plan part.ngc -m xyzac-trt --setup vice.toml -o setpoints.csv --summary s.json");
     plan->callback([command, &status] { status = plan_and_report(*command); });
 }

@@ -1,6 +1,7 @@
 #include "trunnion/pipeline/summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double allowed_ratio = 1.001;
 constexpr double allowed_deviation = 1 + 1e-6;
+constexpr double worth_telling_s = 1e-3;
 
 ordered_json diagnostics_json(const std::vector<Diagnostic>& diagnostics) {
     ordered_json out = ordered_json::array();
@@ -39,7 +41,8 @@ ordered_json drops_json(const std::vector<FeedDrop>& drops) {
                        {"feed_min_mm_min", d.feed_min_mm_s * 60},
                        {"programmed_feed_mm_min", d.programmed_feed_mm_s * 60},
                        {"lost_s", d.lost_s},
-                       {"cause", d.cause}});
+                       {"cause", d.cause},
+                       {"at_tolerance", d.at_tolerance}});
     return out;
 }
 
@@ -49,7 +52,74 @@ ordered_json axes_json(const std::vector<AxisLoad>& axes) {
         out[std::string(1, a.letter)] = {{"velocity_ratio", a.velocity_ratio},
                                          {"acceleration_ratio", a.acceleration_ratio},
                                          {"jerk_ratio", a.jerk_ratio},
+                                         {"jerk_rms", a.jerk_rms},
                                          {"limiting_share", a.limiting_share}};
+    return out;
+}
+
+/// null where there is none.
+ordered_json number(std::optional<double> value) {
+    return value && std::isfinite(*value) ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+ordered_json options_json(const PlanOptions& options) {
+    const auto& smoothing = options.smoothing;
+    const auto& feed = options.feed;
+    return {{"period_s", options.period_s},
+            {"tip_tolerance_mm", smoothing.tip_tolerance_mm},
+            {"orientation_tolerance_deg", smoothing.orientation_tolerance_rad / degree},
+            {"flank_tolerance_mm", smoothing.flank_tolerance_mm},
+            {"flank_height_mm", smoothing.flank_height_mm},
+            {"rounding", smoothing.rounding == smoothing::Rounding::none ? "none" : "smooth"},
+            {"calm", feed.calm},
+            {"feed_override", options.feed_override},
+            {"feed_mm_min", options.feed_mm_s ? ordered_json(*options.feed_mm_s * 60) : ordered_json(nullptr)},
+            {"jerk_margin", feed.jerk_margin},
+            {"chord_error_mm", number(feed.chord_error_mm)},
+            {"tip_acceleration_mm_s2", number(feed.tip_acceleration_mm_s2)},
+            {"tip_jerk_mm_s3", number(feed.tip_jerk_mm_s3)},
+            {"tool_turn_deg_s", number(feed.turn_velocity_rad_s / degree)},
+            {"threads", options.threads},
+            {"worth", options.worth}};
+}
+
+ordered_json calm_json(const Summary& s) {
+    const bool known = s.calm.price_s && s.cycle_time_s > 0;
+    return {{"weight", s.calm.weight},
+            {"price_s", number(s.calm.price_s)},
+            {"price_share", known ? ordered_json(*s.calm.price_s / s.cycle_time_s) : ordered_json(nullptr)}};
+}
+
+ordered_json worth_json(const std::vector<Worth>& worth) {
+    ordered_json out = ordered_json::array();
+    for (const Worth& w : worth)
+        out.push_back({{"what", w.what},
+                       {"change", w.change},
+                       {"saves_s", number(w.saves_s)},
+                       {"gradient_s", number(w.gradient_s)}});
+    return out;
+}
+
+std::string calm_text(const Summary& s) {
+    if (s.calm.weight == 0) return "off";
+    const std::string weight = fmt::format("weight {:g}: ", s.calm.weight);
+    if (!s.calm.price_s) return weight + "costs less than 0.02 % of the time";
+    if (*s.calm.price_s < worth_telling_s) return weight + "costs less than 1 ms";
+    return weight +
+           fmt::format("costs {:.3f} s, {:.2f} % of the time", *s.calm.price_s, 100 * *s.calm.price_s / s.cycle_time_s);
+}
+
+/// The changes that save most, a line each.
+std::vector<std::string> worth_lines(const std::vector<Worth>& worth) {
+    constexpr std::size_t most = 5;
+    std::vector<std::string> out;
+    for (const Worth& w : worth) {
+        if (out.size() == most || w.saves_s.value_or(0) < worth_telling_s) break;
+        const std::string by_multipliers =
+            w.gradient_s ? fmt::format("  (by the multipliers {:.3f} s)", *w.gradient_s) : "";
+        out.push_back(fmt::format("{:<22}{:<6} saves {:.3f} s{}", w.what, w.change, *w.saves_s, by_multipliers));
+    }
+    if (out.empty() && !worth.empty()) out.emplace_back("no limit and no tolerance saves as much as 1 ms");
     return out;
 }
 
@@ -59,10 +129,11 @@ bool Summary::usable() const {
     const bool limits = std::all_of(axes.begin(), axes.end(), [](const AxisLoad& a) {
         return std::max({a.velocity_ratio, a.acceleration_ratio, a.jerk_ratio}) <= allowed_ratio;
     });
-    const bool orientation = flank_tolerance_mm > 0
-                                 ? height_deviation_mm <= flank_tolerance_mm * allowed_deviation
-                                 : orientation_deviation_rad <= orientation_tolerance_rad * allowed_deviation;
-    return limits && orientation && tip_deviation_mm <= tip_tolerance_mm * allowed_deviation;
+    const auto& given = options.smoothing;
+    const bool orientation = given.flank_tolerance_mm > 0
+                                 ? height_deviation_mm <= given.flank_tolerance_mm * allowed_deviation
+                                 : orientation_deviation_rad <= given.orientation_tolerance_rad * allowed_deviation;
+    return limits && orientation && tip_deviation_mm <= given.tip_tolerance_mm * allowed_deviation;
 }
 
 std::string Summary::report() const {
@@ -75,23 +146,25 @@ std::string Summary::report() const {
     line("cycle time",
          fmt::format("{:.3f} s = {:.3f} cutting + {:.3f} rapid + {:.3f} dwell; {:.3f} s without jerk limits",
                      cycle_time_s, cut_time_s, rapid_time_s, dwell_time_s, jerk_free_bound_s));
-    line("path",
-         fmt::format("{:.1f} mm of the tip in {} setpoints of {:g} ms", path_length_mm, setpoints, period_s * 1e3));
+    line("path", fmt::format("{:.1f} mm of the tip in {} setpoints of {:g} ms", path_length_mm, setpoints,
+                             options.period_s * 1e3));
+    const auto& given = options.smoothing;
     line("deviation at most",
-         fmt::format("tip {:.4f} mm of {:g}; {}", tip_deviation_mm, tip_tolerance_mm,
-                     flank_tolerance_mm > 0
-                         ? fmt::format("{:g} mm up the flank {:.4f} mm of {:g}", flank_height_mm, height_deviation_mm,
-                                       flank_tolerance_mm)
+         fmt::format("tip {:.4f} mm of {:g}; {}", tip_deviation_mm, given.tip_tolerance_mm,
+                     given.flank_tolerance_mm > 0
+                         ? fmt::format("{:g} mm up the flank {:.4f} mm of {:g}", given.flank_height_mm,
+                                       height_deviation_mm, given.flank_tolerance_mm)
                          : fmt::format("orientation {:.4f} deg of {:g}", orientation_deviation_rad / degree,
-                                       orientation_tolerance_rad / degree)));
+                                       given.orientation_tolerance_rad / degree)));
     const ExactStops& e = exact_stops;
     line("exact stops", fmt::format("{}: {} rapids, {} reversals, {} dwells, {} events, {} stop words, {} corners",
                                     e.total, e.rapids, e.reversals, e.dwells, e.events, e.words, e.corners));
-    line("axis", "velocity  acceleration  jerk  (peak / limit)   limits the feed");
+    line("axis: peak / limit", "velocity  acceleration    jerk   jerk RMS   limits the feed");
     for (const AxisLoad& a : axes)
         line(fmt::format("  {}", a.letter),
-             fmt::format("{:8.4f}  {:12.4f}  {:.4f}                  {:5.1f} % of the cut", a.velocity_ratio,
-                         a.acceleration_ratio, a.jerk_ratio, 100 * a.limiting_share));
+             fmt::format("{:8.4f}  {:12.4f}  {:.4f}     {:.4f}   {:5.1f} % of the cut", a.velocity_ratio,
+                         a.acceleration_ratio, a.jerk_ratio, a.jerk_rms, 100 * a.limiting_share));
+    line("calm", calm_text(*this));
     std::vector<FeedDrop> worst = feed_drops;
     std::stable_sort(worst.begin(), worst.end(),
                      [](const FeedDrop& a, const FeedDrop& b) { return a.lost_s > b.lost_s; });
@@ -99,7 +172,9 @@ std::string Summary::report() const {
     for (const FeedDrop& d : worst)
         line("slow",
              fmt::format("line {}, {:.1f} … {:.1f} mm: down to {:.0f} of {:.0f} mm/min, {:.3f} s lost, {}", d.line,
-                         d.s_from_mm, d.s_to_mm, d.feed_min_mm_s * 60, d.programmed_feed_mm_s * 60, d.lost_s, d.cause));
+                         d.s_from_mm, d.s_to_mm, d.feed_min_mm_s * 60, d.programmed_feed_mm_s * 60, d.lost_s, d.cause) +
+                 (d.at_tolerance ? " (tolerance used up)" : ""));
+    for (const std::string& text : worth_lines(worth)) line("worth", text);
     line("verdict", usable() ? "all limits and tolerances hold" : "NOT USABLE: a limit or a tolerance is broken");
     return out;
 }
@@ -111,11 +186,7 @@ std::string to_json(const Summary& s) {
     out["machine"] = s.machine;
     out["setup"] = s.setup;
     out["controller"] = nullptr;
-    out["options"] = {{"period_s", s.period_s},
-                      {"tip_tolerance_mm", s.tip_tolerance_mm},
-                      {"orientation_tolerance_deg", s.orientation_tolerance_rad / degree},
-                      {"flank_tolerance_mm", s.flank_tolerance_mm},
-                      {"flank_height_mm", s.flank_height_mm}};
+    out["options"] = options_json(s.options);
     out["usable"] = s.usable();
     out["cycle_time_s"] = s.cycle_time_s;
     out["cut_time_s"] = s.cut_time_s;
@@ -124,7 +195,7 @@ std::string to_json(const Summary& s) {
     out["path_length_mm"] = s.path_length_mm;
     out["blocks"] = s.blocks;
     out["setpoints"] = s.setpoints;
-    out["period_s"] = s.period_s;
+    out["period_s"] = s.options.period_s;
     out["jerk_free_bound_s"] = s.jerk_free_bound_s;
     out["tip_deviation_mm"] = s.tip_deviation_mm;
     out["orientation_deviation_deg"] = s.orientation_deviation_rad / degree;
@@ -134,7 +205,9 @@ std::string to_json(const Summary& s) {
     out["exact_stops"] = {{"total", e.total},   {"reversals", e.reversals}, {"rapids", e.rapids},  {"dwells", e.dwells},
                           {"events", e.events}, {"words", e.words},         {"corners", e.corners}};
     out["axes"] = axes_json(s.axes);
+    out["calm"] = calm_json(s);
     out["feed_drops"] = drops_json(s.feed_drops);
+    out["worth"] = worth_json(s.worth);
     out["intervals"] = s.intervals;
     out["windows"] = s.windows;
     out["fallbacks"] = s.fallbacks;
@@ -142,6 +215,8 @@ std::string to_json(const Summary& s) {
                    {"smooth_s", s.work.smooth_s},
                    {"plan_s", s.work.plan_s},
                    {"sample_s", s.work.sample_s},
+                   {"replan_s", s.work.replan_s},
+                   {"elapsed_s", s.work.elapsed_s},
                    {"peak_memory_mb", s.work.peak_memory_mb}};
     out["diagnostics"] = diagnostics_json(s.diagnostics);
     return out.dump(1) + "\n";

@@ -14,6 +14,8 @@ namespace trunnion::pipeline {
 /// Collects where the feed falls under nine tenths of what is programmed, and how long each axis limits.
 class FeedDropCollector {
   public:
+    explicit FeedDropCollector(double tip_tolerance_mm);
+
     void add(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table);
     /// Drops in order of the path; the ones that lose least are left out beyond `most`.
     std::vector<FeedDrop> take(std::size_t most);
@@ -23,6 +25,7 @@ class FeedDropCollector {
   private:
     void close();
 
+    double reach_mm_;  // of the widest block transition
     std::vector<FeedDrop> drops_;
     FeedDrop open_;
     std::map<std::string, double> open_causes_;

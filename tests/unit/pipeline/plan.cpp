@@ -7,75 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "trunnion/base/quantity.hpp"
-#include "trunnion/files/machine_file.hpp"
-#include "trunnion/nc/read.hpp"
+
+#include "planned.hpp"
 
 namespace trunnion::pipeline {
 namespace {
-
-constexpr const char* machine_text = R"(
-name = "test table"
-chain = "C A X Y Z"
-[axes.X]
-range = ["-1000 mm", "1000 mm"]
-max_velocity = "500 mm/s"
-max_acceleration = "2500 mm/s^2"
-max_jerk = "20000 mm/s^3"
-[axes.Y]
-range = ["-1000 mm", "1000 mm"]
-max_velocity = "500 mm/s"
-max_acceleration = "2500 mm/s^2"
-max_jerk = "20000 mm/s^3"
-[axes.Z]
-range = ["-1000 mm", "1000 mm"]
-max_velocity = "500 mm/s"
-max_acceleration = "2500 mm/s^2"
-max_jerk = "20000 mm/s^3"
-[axes.A]
-range = ["-120 deg", "120 deg"]
-max_velocity = "90 deg/s"
-max_acceleration = "300 deg/s^2"
-max_jerk = "1800 deg/s^3"
-[axes.C]
-range = "endless"
-max_velocity = "120 deg/s"
-max_acceleration = "300 deg/s^2"
-max_jerk = "1800 deg/s^3"
-[words]
-tcp_on = ["M428"]
-tcp_off = ["M429"]
-)";
-
-struct Recorder : PlanObserver {
-    std::vector<motion::Setpoint> rows;
-    std::vector<EventRow> events;
-    std::vector<PathSample> samples;
-    int calls_until_cancel = -1;
-    void setpoint(const motion::Setpoint& row) override { rows.push_back(row); }
-    void event(const EventRow& row) override { events.push_back(row); }
-    void path_sample(const PathSample& sample) override { samples.push_back(sample); }
-    bool progress(double) override { return calls_until_cancel-- != 0; }
-};
-
-struct Planned {
-    machine::Machine machine = files::read_machine(machine_text, "test.toml").value();
-    program::Program program;
-    Recorder recorder;
-    Result<Summary> summary;
-
-    explicit Planned(std::string_view text, PlanOptions options = {}, int cancel = -1) {
-        nc::ReadOptions reading;
-        reading.machine = &machine;
-        auto read = nc::read_program(text, "test.ngc", reading);
-        if (!read) {
-            summary = fail(read.error());
-            return;
-        }
-        program = *read;
-        recorder.calls_until_cancel = cancel;
-        summary = plan(program, machine, {}, options, recorder);
-    }
-};
 
 TEST(Plan, a_line_takes_the_time_that_theory_says) {
     const Planned p("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F60000\n");
@@ -224,6 +160,56 @@ TEST(Plan, path_samples_are_there_when_asked_for) {
     }
 }
 
+TEST(Plan, a_move_shorter_than_a_micrometre_is_planned_over_a_longer_parameter) {
+    PlanOptions options;
+    options.path_samples = true;
+    const auto expect_takes = [&](const char* move, double time_s, double at_most_s) {
+        const Planned p(std::string("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\n") + move + "\nM2\n", options);
+        ASSERT_TRUE(p.summary) << move << to_string(p.summary.error());
+        EXPECT_TRUE(p.summary->usable()) << move << p.summary->report();
+        const auto& samples = p.recorder.samples;
+        ASSERT_FALSE(samples.empty());
+        EXPECT_GE(samples.back().p_mm - samples.front().p_mm, 1e-3) << move;
+        EXPECT_LE(samples.back().p_mm - samples.front().p_mm, 1.01e-3) << move;
+        EXPECT_NEAR(p.recorder.rows.back().position[0], 0.0004, 1e-15) << move;
+        EXPECT_NEAR(p.summary->path_length_mm, 0.0004, 1e-12) << move;
+        EXPECT_GE(p.summary->cycle_time_s, time_s * 0.9999) << move;
+        EXPECT_LE(p.summary->cycle_time_s, at_most_s) << move;
+        for (const PathSample& sample : samples) EXPECT_LE(sample.speed_mm_s, sample.speed_limit_mm_s * 1.001) << move;
+    };
+    const double by_jerk = 4 * std::cbrt(0.0004 / (2 * 20000));
+    expect_takes("G1 X0.0004 F6000", by_jerk, by_jerk * 1.01);
+    expect_takes("G1 X0.0004 F0.6", 0.04, 0.0415);         // feed of the tip: 0.01 mm/s
+    expect_takes("G93 G1 X0.0004 F600", 0.1, 0.1 * 1.01);  // the block's time
+}
+
+TEST(Plan, feed_drops_say_where_rounding_uses_its_tolerance_up) {
+    const auto first_drop_inside = [](const char* text, const PlanOptions& options = {}) {
+        const Planned p(text, options);
+        EXPECT_TRUE(p.summary && !p.summary->feed_drops.empty()) << text;
+        const auto& drops = p.summary->feed_drops;
+        const auto inside = std::find_if(drops.begin(), drops.end(), [&](const FeedDrop& drop) {
+            return drop.s_from_mm > 1 && drop.s_to_mm < p.summary->path_length_mm - 1;
+        });
+        return inside == drops.end() ? FeedDrop{.line = -1} : *inside;
+    };
+    // A corner is slow because of its small radius; so is a circle, but no tolerance would help that.
+    const FeedDrop corner = first_drop_inside("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X50 F6000\nX50 Y50\nM2\n");
+    EXPECT_NE(corner.line, -1);
+    EXPECT_TRUE(corner.at_tolerance);
+    const FeedDrop circle =
+        first_drop_inside("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X100 F18000\nG3 X100 Y40 I0 J20\nG1 X0\nM2\n");
+    EXPECT_NE(circle.line, -1);
+    EXPECT_FALSE(circle.at_tolerance);
+    PlanOptions exact;
+    exact.smoothing.rounding = smoothing::Rounding::none;
+    const Planned stops("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X50 F6000\nX50 Y50\nM2\n", exact);
+    ASSERT_TRUE(stops.summary);
+    for (const FeedDrop& drop : stops.summary->feed_drops) EXPECT_FALSE(drop.at_tolerance);
+    const auto json = nlohmann::json::parse(to_json(*stops.summary));
+    EXPECT_TRUE(json["feed_drops"][0]["at_tolerance"].is_boolean());
+}
+
 TEST(Plan, can_be_cancelled) {
     const Planned p("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 F6000\nG0 X20\nG1 X30\nM2\n", {}, 1);
     ASSERT_FALSE(p.summary);
@@ -266,7 +252,9 @@ TEST(Summary, json_has_what_other_programs_rely_on) {
                             "tolerance_used",
                             "exact_stops",
                             "axes",
+                            "calm",
                             "feed_drops",
+                            "worth",
                             "windows",
                             "fallbacks",
                             "work",

@@ -1,27 +1,18 @@
 #pragma once
 
-#include <optional>
-#include <string>
+#include <array>
+
+#include <Eigen/Core>
 
 #include "trunnion/base/result.hpp"
-#include "trunnion/feed/plan_stretch.hpp"
 #include "trunnion/machine/machine.hpp"
 #include "trunnion/motion/setpoint.hpp"
 #include "trunnion/path/axis_path.hpp"
+#include "trunnion/pipeline/plan_options.hpp"
 #include "trunnion/pipeline/summary.hpp"
 #include "trunnion/program/program.hpp"
-#include "trunnion/smoothing/smoothing.hpp"
 
 namespace trunnion::pipeline {
-
-struct PlanOptions {
-    smoothing::SmoothingOptions smoothing;  ///< its controlled height comes from the tool in use
-    feed::FeedOptions feed;
-    double period_s = 1e-3;
-    double feed_override = 1;         ///< any value > 0
-    std::optional<double> feed_mm_s;  ///< replaces the programmed feeds
-    bool path_samples = false;        ///< whether the observer wants them
-};
 
 /// One row of `--path`: geometry and speed at one place.
 struct PathSample {
@@ -39,19 +30,30 @@ struct EventRow {
     const program::Event* event = nullptr;
 };
 
-/// Takes the results as they come. Every function may be left as it is.
+/// Takes the results as they come, on the thread that called plan(). Every function may be left as it is.
 struct PlanObserver {
     virtual ~PlanObserver() = default;
     virtual void setpoint(const motion::Setpoint&) {}
     virtual void path_sample(const PathSample&) {}
     virtual void event(const EventRow&) {}
-    /// Called now and then with the share of moves done; false cancels (PIPE0002).
+    /// Called now and then with the share of the work done, ascending; false cancels (PIPE0002).
     virtual bool progress(double) { return true; }
 };
 
-/// Program → smoothed path → jerk-limited feed profile → setpoints, stretch by stretch.
+/// Program → smoothed path → jerk-limited feed profile → setpoints, stretch by stretch: the setpoints of a stretch
+/// come as soon as its speed is planned.
+///
+/// With two threads the path and its intervals are made ahead of the planner, at most some 8000 intervals (10 MB), so
+/// that memory does not grow. Setpoints, events, path samples, diagnostics and the summary but for Work are the same
+/// bits as with one; so is the error where there is one: the first in the program's order.
+///
+/// The price of calm is found by planning once more without it, where it is asked for (`worth`) or the weight is above
+/// 0.001. That and `worth` come behind the last setpoint.
+///
 /// Errors: those of the rooms it chains; PIPE0001 bad option, PIPE0002 cancelled, PIPE0003 a fault of ours, PIPE0005
 /// rounding led the tool past the pole on the other side than rotary words behind it count from.
+/// Warnings in the summary: PIPE0102 a stretch far slower than it needs to be, PIPE0103 a worth that could not be
+/// found.
 Result<Summary> plan(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
                      const PlanOptions& options, PlanObserver& observer);
 
