@@ -1,0 +1,148 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "trunnion/feed/live_planner.hpp"
+
+#include "detail/descent.hpp"
+#include "detail/live_grid.hpp"
+#include "detail/window.hpp"
+
+namespace trunnion::feed {
+
+/// What a LivePlanner is and does. live_planner.cpp follows the commands from tick to tick, live_change.cpp decides
+/// what is tried when the motion must change, live_look.cpp sees how soon the machine could stand, live_window.cpp
+/// plans a window from where the plan in hand is left and takes it over.
+class LivePlanner::State {
+  public:
+    State(const path::AxisPath& path, const FeedOptions& options, double period_s);
+
+    void set_override(bool rapid, double factor) {
+        if (rapid == path_.tool_path().rapid) override_ = factor;
+    }
+    void hold() { held_ = true; }
+    void resume();
+    void set_single_block(bool on);
+    Result<LiveState> tick();
+
+  private:
+    using PathPlace = path::PathPlace;
+    using ProfilePiece = motion::ProfilePiece;
+    static constexpr double same_place_mm = 1e-9;
+    /// Of the limits of velocity, acceleration and feed plans leave a trifle, for `room_for`.
+    static constexpr double kept_back = 1 - 4e-4;
+    /// A braking that breaks limits by more has led to a dead end.
+    static constexpr double dead_end = 1.02;
+
+    /// What the commands ask for, and what the plan in hand was made for.
+    struct Wish {
+        bool stand = false;
+        double factor = 1;
+        bool single_block = false;
+        bool operator==(const Wish&) const = default;
+    };
+    /// A cell of the plan in hand; its piece counts from its begin_s on until the next one's.
+    struct Step {
+        Cell cell;
+        ProfilePiece piece;
+        double factor = 1;
+    };
+    /// Where a new plan leaves the one in hand.
+    struct Branch {
+        PathPlace place;
+        double begin_s = 0;
+        std::size_t kept = 0;  // steps of the plan in hand that stay
+        bool at_rest = false;
+        MovingStart start;
+    };
+    /// The speed that a solve starts from: that of the plan in hand, pushed together along the path, and not above that
+    /// of a braking that begins later.
+    struct Guess {
+        const Descent* braking = nullptr;
+        double delay_mm = 0, compression = 1;
+        bool blank = false;  // nothing of all this: the solver's own start
+    };
+    /// What is tried: where to, up to where the old override counts, how suddenly, and a first guess of the speed.
+    struct Trial {
+        PathPlace goal;
+        double factor = 1;
+        double old_factor_until_mm = -1;
+        double level_mm = std::numeric_limits<double>::infinity();  // cells where the new override begins to count
+        double stop_mm = 0;                                         // > 0: cells as fine as a stop of that way needs
+        bool stand = false;
+        Guess guess;
+    };
+    /// The way ahead of a branch, finely sampled as far as a stop may take.
+    struct Look {
+        std::vector<Interval> intervals;
+        double stop_mm = 0;            // closed form, by the limits at the branch
+        double path_jerk_mm_s3 = 0;    // by the limits at the branch
+        double reach_mm = 0;           // of the intervals
+        std::optional<Descent> steep;  // the hardest braking; may lead to a dead end
+    };
+
+    Wish wish() const { return {held_ || override_ == 0, override_, single_block_}; }
+    double present_s() const { return static_cast<double>(ticks_) * period_s_; }
+    PathPlace standing_place() const;
+    double end_mm() const { return grid_.distance_mm(standing_place()); }
+    bool stands_at_end() const;
+    LiveState present() const;
+    std::size_t block_at(double p_mm) const;
+    PathPlace block_end(std::size_t block) const;
+
+    Result<void> follow();
+    Result<void> restart(double begin_s);
+    Result<void> stop(const Branch& branch);
+    Result<bool> plan_stop(const Branch& branch, double way_mm, const Descent* braking, const Guess& other);
+    Result<void> stop_sooner(const Branch& branch);
+    Result<void> go_on(const Branch& branch);
+    Result<bool> go_on_to(PathPlace goal, const Branch& branch, const Look& look);
+    Result<void> extend(double earliest_s);
+
+    std::size_t step_at(double time_s) const;
+    Branch branch_at(double time_s) const;
+    double factor_in_hand(double p_mm) const;
+    double old_factor_until(const Branch& branch) const;
+    MovingStart state_in_hand(double p_mm) const;
+    const Step* step_over(double p_mm) const;
+
+    void apply_override(double factor, PathSample& sample) const;
+    Result<Interval> sample(const Cell& cell, double factor) const;
+    Result<Look> look_ahead(const Branch& branch, double factor) const;
+    Result<std::vector<Interval>> survey(const Branch& branch, double factor, double reach_mm) const;
+    Result<std::optional<Descent>> first_stop(const Branch& branch, const Look& look) const;
+    std::optional<Descent> later_stop(std::span<const Interval> intervals, const Branch& branch) const;
+    bool is_exact(const Branch& branch, PathPlace goal) const;
+    Course course(const Branch& branch, const Trial& trial) const;
+    Result<bool> plan(const Branch& branch, const Trial& trial);
+    void make_guess(const Branch& branch, const Guess& guess, std::span<const Cell> cells);
+    LimitSet room_for(MovingStart start, std::span<Interval> intervals) const;
+    void adopt(const Branch& branch, std::vector<Step> steps);
+    std::size_t commit_count(std::size_t first) const;
+
+    const path::AxisPath& path_;
+    LimitSet limits_;
+    double calm_, period_s_;
+    std::size_t base_, window_;
+    LiveGrid grid_;
+    WindowSolver solver_;
+
+    double override_ = 1;
+    bool held_ = false, single_block_ = false;
+    std::size_t ticks_ = 0, next_trial_ = 0;
+    Wish planned_;                         // what the plan in hand is for
+    std::optional<PathPlace> block_goal_;  // where a single block ends
+    bool ends_at_goal_ = false;            // the plan in hand; else at a throw-away stop or a hold
+    bool waits_ = false;                   // behind a single block
+    std::vector<Step> steps_;              // the plan in hand
+    std::size_t border_ = 0;               // from this step on the plan may be replaced by a longer one
+    double end_s_ = 0;
+    std::vector<double> known_middle_;
+    int probes_left_ = 0;         // of a stop
+    double out_of_reach_mm_ = 0;  // a place too near to stop at
+};
+
+}  // namespace trunnion::feed

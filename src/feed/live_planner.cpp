@@ -1,0 +1,151 @@
+#include "trunnion/feed/live_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "detail/live_state.hpp"
+
+namespace trunnion::feed {
+namespace {
+
+using path::PathPlace;
+
+constexpr int periods_ahead = 2;
+constexpr double largest_override = 2, largest_rapid_override = 1;
+
+Diagnostic problem(std::string code, std::string text, double value, std::string limit) {
+    Diagnostic out;
+    out.code = std::move(code);
+    out.text = std::move(text);
+    out.value = fmt::format("{}", value);
+    out.limit = std::move(limit);
+    return out;
+}
+
+}  // namespace
+
+void LivePlanner::State::resume() {
+    held_ = false;
+    if (present_s() >= end_s_) waits_ = false;
+}
+
+void LivePlanner::State::set_single_block(bool on) {
+    single_block_ = on;
+    if (present_s() < end_s_) waits_ = on && ends_at_goal_ && planned_.single_block;
+}
+
+Result<LiveState> LivePlanner::State::tick() {
+    if (auto done = follow(); !done) return fail(done.error());
+    ++ticks_;
+    return present();
+}
+
+LiveState LivePlanner::State::present() const {
+    LiveState out;
+    const double now = present_s();
+    if (steps_.empty() || now >= end_s_ || now < steps_.front().piece.begin_s) {
+        const bool started = !steps_.empty() && now >= end_s_;
+        out.place = started || steps_.empty() ? standing_place() : steps_.front().cell.begin;
+        out.status = started && stands_at_end() ? LiveStatus::finished : LiveStatus::holding;
+    } else {
+        const Step& step = steps_[step_at(now)];
+        const double delta = motion::distance_at(step.piece, now - step.piece.begin_s);
+        const motion::PathState state = motion::state_at(step.piece, delta);
+        out.status = LiveStatus::moving;
+        out.place = {step.cell.begin.piece, step.cell.begin.offset_mm + delta};
+        out.speed_mm_s = state.speed_mm_s;
+        out.acceleration_mm_s2 = state.acceleration_mm_s2;
+        out.jerk_mm_s3 = state.jerk_mm_s3;
+    }
+    out.block = block_at(grid_.distance_mm(out.place));
+    return out;
+}
+
+/// The block that holds behind a place.
+std::size_t LivePlanner::State::block_at(double p_mm) const {
+    const auto& blocks = path_.tool_path().blocks;
+    if (blocks.empty()) return 0;
+    const auto found = std::upper_bound(blocks.begin(), blocks.end() - 1, p_mm + same_place_mm,
+                                        [](double p, const path::BlockSpan& block) { return p < block.end_mm; });
+    return static_cast<std::size_t>(found - blocks.begin());
+}
+
+PathPlace LivePlanner::State::block_end(std::size_t block) const {
+    const auto& blocks = path_.tool_path().blocks;
+    return block + 1 >= blocks.size() ? grid_.end() : grid_.place_at(blocks[block].end_mm);
+}
+
+/// Lets the commands change the plan in hand, from two periods ahead on.
+Result<void> LivePlanner::State::follow() {
+    const double effect_s = static_cast<double>(ticks_ + periods_ahead) * period_s_;
+    if (end_s_ <= effect_s) return restart(steps_.empty() ? present_s() : effect_s);
+    if (planned_ == wish()) return planned_.stand ? stop_sooner(branch_at(effect_s)) : extend(effect_s);
+    const Branch branch = branch_at(effect_s);
+    if (branch.at_rest) return {};
+    if (wish().stand) return stop(branch);
+    return ticks_ < next_trial_ ? Result<void>{} : go_on(branch);
+}
+
+/// From standstill there is always a plan, unless the path itself is broken.
+Result<void> LivePlanner::State::restart(double begin_s) {
+    if (wish().stand || waits_ || (!steps_.empty() && stands_at_end())) return {};
+    Branch branch;
+    branch.place = standing_place();
+    branch.begin_s = begin_s;
+    branch.at_rest = true;
+    if (present_s() < end_s_) return {};
+    Trial trial;
+    trial.factor = override_;
+    trial.goal = grid_.end();
+    block_goal_.reset();
+    if (single_block_) block_goal_ = trial.goal = block_end(block_at(grid_.distance_mm(branch.place)));
+    const auto done = plan(branch, trial);
+    if (!done) return fail(done.error());
+    if (*done) return {};
+    Diagnostic out;
+    out.code = "FEED0004";
+    out.text = "no motion holds the limits on this stretch";
+    out.place.path_length_mm = grid_.distance_mm(branch.place);
+    return fail(out);
+}
+
+LivePlanner::LivePlanner(std::unique_ptr<State> state) : state_(std::move(state)) {}
+LivePlanner::~LivePlanner() = default;
+LivePlanner::LivePlanner(LivePlanner&&) noexcept = default;
+LivePlanner& LivePlanner::operator=(LivePlanner&&) noexcept = default;
+
+Result<LivePlanner> LivePlanner::make(const path::AxisPath& path, const FeedOptions& options, double period_s) {
+    if (!(period_s > 0 && std::isfinite(period_s)))
+        return fail(problem("FEED0011", "the control's period must be positive", period_s, "0 s"));
+    if (const auto stream = IntervalStream::make(path, options); !stream) return fail(stream.error());
+    return LivePlanner(std::make_unique<State>(path, options, period_s));
+}
+
+Result<void> LivePlanner::set_feed_override(double factor) {
+    if (!(factor >= 0 && factor <= largest_override))
+        return fail(problem("FEED0010", "a feed override must lie between 0 and 2", factor, "0…2"));
+    state_->set_override(false, factor);
+    return {};
+}
+Result<void> LivePlanner::set_rapid_override(double factor) {
+    if (!(factor >= 0 && factor <= largest_rapid_override))
+        return fail(problem("FEED0010", "a rapid override must lie between 0 and 1", factor, "0…1"));
+    state_->set_override(true, factor);
+    return {};
+}
+void LivePlanner::hold() {
+    state_->hold();
+}
+void LivePlanner::resume() {
+    state_->resume();
+}
+void LivePlanner::set_single_block(bool on) {
+    state_->set_single_block(on);
+}
+Result<LiveState> LivePlanner::tick() {
+    return state_->tick();
+}
+
+}  // namespace trunnion::feed

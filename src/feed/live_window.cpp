@@ -1,0 +1,232 @@
+#include <algorithm>
+#include <cmath>
+
+#include "detail/live_state.hpp"
+
+namespace trunnion::feed {
+namespace {
+
+using path::PathPlace;
+
+constexpr std::size_t largest_growth = 8;
+constexpr double tail_of_stopping_distance = 1.5;
+// Sizes of cells: beside a standstill, where a command changes the motion, and against how fast the speed changes.
+constexpr double rest_growth = 0.14, stop_growth = 0.25, command_growth = 0.3;
+constexpr double cells_of_a_stop = 20, flat_of_a_stop = 1.5;
+constexpr double share_of_change = 0.19;  // of x / x′
+constexpr double arc_share_of_course = 0.01, arc_share_of_stop = 0.03;
+constexpr double at_border = 1e-6;  // of a cell
+constexpr double start_room = 1e-4;
+// Rounds of tightening cost time, and from a moving start they do not always end: most need none from here.
+constexpr double command_tightening = 1.001;
+
+double square(double v) {
+    return v * v;
+}
+
+}  // namespace
+
+PathPlace LivePlanner::State::standing_place() const {
+    if (steps_.empty()) return grid_[0].begin;
+    const Cell& last = steps_.back().cell;
+    return {last.begin.piece, last.begin.offset_mm + last.length_mm};
+}
+
+bool LivePlanner::State::stands_at_end() const {
+    return grid_.distance_mm(standing_place()) >= path_.length_mm() - same_place_mm;
+}
+
+std::size_t LivePlanner::State::step_at(double time_s) const {
+    const auto next = std::upper_bound(steps_.begin() + 1, steps_.end(), time_s,
+                                       [](double t, const Step& step) { return t < step.piece.begin_s; });
+    return static_cast<std::size_t>(next - steps_.begin()) - 1;
+}
+
+LivePlanner::State::Branch LivePlanner::State::branch_at(double time_s) const {
+    Branch out;
+    std::size_t k = step_at(time_s);
+    double delta = motion::distance_at(steps_[k].piece, time_s - steps_[k].piece.begin_s);
+    const double until = k + 1 < steps_.size() ? steps_[k + 1].piece.begin_s : end_s_;
+    const double reach = motion::distance_at(steps_[k].piece, until - steps_[k].piece.begin_s);
+    out.begin_s = time_s;
+    if (k + 1 < steps_.size() && reach - delta < at_border * reach) {
+        ++k;
+        delta = 0;
+        out.begin_s = steps_[k].piece.begin_s;
+    } else if (delta < at_border * reach) {
+        delta = 0;
+        out.begin_s = steps_[k].piece.begin_s;
+    }
+    const Step& step = steps_[k];
+    const motion::PathState state = motion::state_at(step.piece, delta);
+    out.kept = delta > 0 ? k + 1 : k;
+    out.place = {step.cell.begin.piece, step.cell.begin.offset_mm + delta};
+    out.start = {square(state.speed_mm_s), 2 * state.acceleration_mm_s2};
+    out.at_rest = !(state.speed_mm_s > 0);
+    return out;
+}
+
+/// The last step of the plan in hand that begins before a place.
+const LivePlanner::State::Step* LivePlanner::State::step_over(double p_mm) const {
+    const auto next =
+        std::upper_bound(steps_.begin(), steps_.end(), p_mm + same_place_mm,
+                         [this](double p, const Step& step) { return p < grid_.distance_mm(step.cell.begin); });
+    return next == steps_.begin() ? nullptr : &*(next - 1);
+}
+
+double LivePlanner::State::factor_in_hand(double p_mm) const {
+    const Step* step = step_over(p_mm);
+    return step ? step->factor : 0;
+}
+
+/// The plan in hand at a place; x = 0 where it has none or comes to its standstill.
+MovingStart LivePlanner::State::state_in_hand(double p_mm) const {
+    const Step* step = step_over(p_mm);
+    if (!step || step->piece.kind == ProfilePiece::Kind::rest_stop) return {};
+    const double delta = p_mm - grid_.distance_mm(step->cell.begin);
+    if (delta > step->piece.length_mm) return {};
+    const motion::PathState state = motion::state_at(step->piece, std::max(delta, 0.0));
+    return {square(state.speed_mm_s), 2 * state.acceleration_mm_s2};
+}
+
+/// Whether the window reaches the goal, or half as far again.
+bool LivePlanner::State::is_exact(const Branch& branch, PathPlace goal) const {
+    return grid_.index_of(goal) - grid_.index_of(branch.place) < window_ + window_ / 2;
+}
+
+Course LivePlanner::State::course(const Branch& branch, const Trial& trial) const {
+    Course out;
+    out.from = branch.place;
+    out.from_rest = branch.at_rest;
+    out.exact_stop = is_exact(branch, trial.goal);
+    out.to = trial.goal;
+    if (!out.exact_stop) {
+        const std::size_t end = grid_.index_of(branch.place) + window_;
+        std::size_t longest = end - window_ / 10 - 1;
+        for (std::size_t k = longest; k < end; ++k)
+            if (grid_[k].length_mm > grid_[longest].length_mm) longest = k;
+        out.to = grid_.end_of(longest);
+    }
+    const double way = grid_.distance_mm(out.to) - grid_.distance_mm(out.from);
+    out.largest_arc_mm = (trial.stand ? arc_share_of_stop : arc_share_of_course) * way;
+    if (branch.at_rest)
+        out.begin.push_back({0, 0, rest_growth});
+    else
+        out.begin.push_back({share_of_change * branch.start.x / std::abs(branch.start.d), 0, rest_growth});
+    if (trial.stop_mm > 0)
+        out.begin.push_back({trial.stop_mm / cells_of_a_stop, flat_of_a_stop * trial.stop_mm, command_growth});
+    if (trial.old_factor_until_mm > grid_.distance_mm(out.from) &&
+        trial.old_factor_until_mm < grid_.distance_mm(out.to))
+        out.focus = {grid_.place_at(trial.old_factor_until_mm), trial.level_mm};
+    if (out.exact_stop) out.end.push_back({0, 0, trial.stand ? stop_growth : rest_growth});
+    return out;
+}
+
+/// x at the middles of the first cells.
+void LivePlanner::State::make_guess(const Branch& branch, const Guess& guess, std::span<const Cell> cells) {
+    known_middle_.clear();
+    if (branch.at_rest || guess.blank) return;
+    const double here = grid_.distance_mm(branch.place);
+    for (const Cell& cell : cells) {
+        const double way = grid_.distance_mm(cell.begin) + cell.length_mm / 2 - here;
+        double x = state_in_hand(here + guess.compression * way).x;
+        if (guess.braking) {
+            const double braking = guess.braking->x_at(std::max(way - guess.delay_mm, 0.0));
+            x = x > 0 ? std::min(x, braking) : braking;
+        }
+        known_middle_.push_back(x);
+    }
+}
+
+/// Limits and caps a trifle above what plans are made for, as far as the state of the plan in hand needs it: a plan is
+/// checked between samples and may stand there a little above what a solve would take as its start.
+LimitSet LivePlanner::State::room_for(MovingStart start, std::span<Interval> intervals) const {
+    const PathSample& here = intervals.front().samples.front();
+    const auto room = [](double ratio) { return std::clamp(ratio * (1 + start_room), 1.0, 1 / kept_back); };
+    LimitSet out = limits_;
+    for (int a = 0; a < out.count; ++a) {
+        machine::AxisLimits& limit = out.axes[a];
+        limit.velocity *= room(std::abs(here.q1[a]) * std::sqrt(start.x) / limit.velocity);
+        limit.acceleration *= room(std::abs(here.q2[a] * start.x + here.q1[a] * start.d / 2) / limit.acceleration);
+    }
+    const double more = square(room(std::sqrt(start.x / here.feed_cap)));
+    for (Interval& interval : intervals)
+        for (PathSample& sample : interval.samples) sample.feed_cap *= more;
+    return out;
+}
+
+/// Plans a window and takes the plan over if it is safe.
+Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) {
+    const Course way = course(branch, trial);
+    const std::vector<Cell> cells = grid_.cells(way);
+    std::vector<Step> steps(cells.size());
+    std::vector<Interval> intervals;
+    intervals.reserve(cells.size());
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        const double p = grid_.distance_mm(cells[k].begin);
+        steps[k].cell = cells[k];
+        steps[k].factor = p < trial.old_factor_until_mm ? std::max(trial.factor, factor_in_hand(p)) : trial.factor;
+        auto sampled = sample(cells[k], steps[k].factor);
+        if (!sampled) return fail(sampled.error());
+        intervals.push_back(std::move(*sampled));
+    }
+    make_guess(branch, trial.guess, cells);
+    const LimitSet limits = branch.at_rest ? limits_ : room_for(branch.start, intervals);
+    Tightening ahead;
+    if (trial.stop_mm > 0) ahead.jerk.fill(command_tightening);
+    std::vector<Tightening> tightening(cells.size(), ahead);
+    WindowProblem window;
+    window.intervals = intervals;
+    window.tightening = tightening;
+    window.limits = &limits;
+    window.calm = calm_;
+    window.from_rest = branch.at_rest;
+    window.x0 = branch.start.x;
+    window.d0 = branch.start.d;
+    window.known_middle = known_middle_;
+    if (!way.exact_stop) window.far_from = cells.size() / 2;
+    const WindowPlan made = solver_.solve(window);
+    if (!made.safe) return false;
+    for (std::size_t k = 0; k < cells.size(); ++k) steps[k].piece = made.pieces[k];
+    ends_at_goal_ = way.exact_stop && !trial.stand;
+    waits_ = ends_at_goal_ && single_block_;
+    planned_ = wish();
+    next_trial_ = ticks_;
+    if (single_block_ && !trial.stand) block_goal_ = trial.goal;
+    adopt(branch, std::move(steps));
+    return true;
+}
+
+void LivePlanner::State::adopt(const Branch& branch, std::vector<Step> steps) {
+    double time = branch.begin_s;
+    for (Step& step : steps) {
+        step.piece.begin_s = time;
+        step.piece.duration_s = motion::time_to(step.piece, step.piece.length_mm);
+        time += step.piece.duration_s;
+    }
+    end_s_ = time;
+    const std::size_t present = steps_.empty() || branch.at_rest ? 0 : step_at(present_s());
+    steps_.resize(branch.at_rest ? 0 : branch.kept);
+    steps_.erase(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(std::min(present, steps_.size())));
+    const std::size_t first = steps_.size();
+    steps_.insert(steps_.end(), steps.begin(), steps.end());
+    const std::size_t count = commit_count(first);
+    if (!ends_at_goal_ && count < steps.size() / 8 && window_ < largest_growth * base_) window_ *= 2;
+    border_ = first + std::max<std::size_t>(count, 1);
+}
+
+/// How much of a new plan a longer one would leave as it is, see FeedPlanner.
+std::size_t LivePlanner::State::commit_count(std::size_t first) const {
+    const auto x0 = [this](std::size_t k) { return steps_[k].piece.x0; };
+    double stopping = 0, rise = 0;
+    for (std::size_t k = steps_.size(); k-- > first + 1 && x0(k) >= rise;) {
+        stopping += steps_[k].piece.length_mm;
+        rise = x0(k);
+    }
+    std::size_t count = steps_.size();
+    for (double left = 0; count > first && left < tail_of_stopping_distance * stopping; --count)
+        left += steps_[count - 1].piece.length_mm;
+    return std::min(count - first, (steps_.size() - first) / 2);
+}
+
+}  // namespace trunnion::feed
