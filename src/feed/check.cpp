@@ -3,147 +3,227 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "detail/loads.hpp"
 #include "detail/rest_arc.hpp"
 
 namespace trunnion::feed {
 namespace {
 
 using motion::ProfilePiece;
-using Samples = std::array<double, samples_per_interval>;
 
-/// ṗ² and what the limits need of it: x, x′, √x, x″√x (= 2 p⃛; finite at rest).
-struct Motion {
-    double x, d, root, e_root;
+constexpr double known_well = 1e-4;  // of a limit, between a bound and what is certainly reached
+constexpr int deepest_halving = 7;
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+Speed speed_on(const ProfilePiece& piece, double begin, double length) {
+    const double third = (piece.e1 - piece.e0) / piece.length_mm;
+    const auto x_at = [&](double u) { return piece.x0 + u * (piece.d0 + u * (piece.e0 / 2 + u * third / 6)); };
+    const auto d_at = [&](double u) { return piece.d0 + u * (piece.e0 + u * third / 2); };
+    const double end = begin + length, xa = x_at(begin), xb = x_at(end), da = d_at(begin), db = d_at(end);
+    const double ea = piece.e0 + third * begin, eb = piece.e0 + third * end;
+    return {{xa, xa + length / 3 * da, xb - length / 3 * db, xb}, {da, da + length / 2 * ea, db}, {ea, eb}};
+}
+
+/// A lower bound of x^(−½): its tangent at the middle of x, in degree 6. Not positive where x varies too much for it.
+Bernstein<double, 6> tangent(const Bernstein<double, 3>& x) {
+    const double middle = (x[0] + x[1] + x[2] + x[3]) / 4, root = 1 / std::sqrt(middle);
+    Bernstein<double, 3> out;
+    for (int i = 0; i < 4; ++i) out[i] = root * (1.5 - x[i] / (2 * middle));
+    return elevated(elevated(elevated(out)));
+}
+
+/// Its inverse; infinite where there is no such bound.
+Bernstein<double, 6> inverse_room(const Bernstein<double, 3>& x) {
+    Bernstein<double, 6> out = tangent(x);
+    for (double& room : out) room = room > 0 ? 1 / room : infinite;
+    return out;
+}
+
+using AllInverseLimits = std::array<GroupLoads, coordinate_groups>;
+
+AllInverseLimits inverse_of(const LimitSet& limits) {
+    AllInverseLimits out;
+    for (int c = 0; c < coordinates; ++c) {
+        GroupLoads& group = out[c / group_size];
+        group.velocity[c % group_size] = 1 / limits.of[c].velocity;
+        group.acceleration[c % group_size] = 1 / limits.of[c].acceleration;
+        group.jerk[c % group_size] = 1 / limits.of[c].jerk;
+    }
+    return out;
+}
+
+/// The bound of |f| / room, where room is 1 or the tangent of x^(−½), known to `known_well`.
+class Closer {
+  public:
+    /// f against 1.
+    template <std::size_t n>
+    static double bound(const std::array<double, n>& f) {
+        Closer closer;
+        closer.look(f, deepest_halving);
+        return closer.bound_;
+    }
+    /// f against x^(−½).
+    static double bound(const Bernstein<double, 6>& f, const Bernstein<double, 3>& x) {
+        Closer closer;
+        closer.look(f, x, deepest_halving);
+        return closer.bound_;
+    }
+
+  private:
+    void settle(double hull, double reached) {
+        reached_ = std::max(reached_, reached);
+        bound_ = std::max(bound_, hull);
+    }
+    bool is_known(double hull) const { return hull <= std::max(reached_ + known_well, bound_); }
+
+    template <std::size_t n>
+    void look(const std::array<double, n>& f, int depth) {
+        double hull = 0;
+        for (const double value : f) hull = std::max(hull, std::abs(value));
+        reached_ = std::max({reached_, std::abs(f.front()), std::abs(f.back())});
+        if (depth == 0 || is_known(hull)) return settle(hull, reached_);
+        std::array<double, n> left, right;
+        halve(f, left, right);
+        look(left, depth - 1);
+        look(right, depth - 1);
+    }
+    void look(const Bernstein<double, 6>& f, const Bernstein<double, 3>& x, int depth) {
+        const Bernstein<double, 6> room = tangent(x);
+        double hull = 0;
+        for (int i = 0; i <= 6; ++i) hull = room[i] > 0 ? std::max(hull, std::abs(f[i]) / room[i]) : infinite;
+        reached_ = std::max({reached_, std::abs(f[0]) * std::sqrt(x[0]), std::abs(f[6]) * std::sqrt(x[3])});
+        if (depth == 0 || is_known(hull)) return settle(hull, reached_);
+        Bernstein<double, 6> left, right;
+        Bernstein<double, 3> x_left, x_right;
+        halve(f, left, right);
+        halve(x, x_left, x_right);
+        look(left, x_left, depth - 1);
+        look(right, x_right, depth - 1);
+    }
+
+    double reached_ = 0, bound_ = 0;
 };
 
-Motion arc_motion(double u, double sign, double jerk) {
-    const double alpha = arc_alpha(jerk), u13 = std::cbrt(u), x = alpha * u * u13;
-    return {x, sign * 4.0 / 3 * alpha * u13, std::sqrt(x), 2 * jerk};
+template <std::size_t n>
+std::array<double, n> coordinate_of(const std::array<Group, n>& f, int c, double scale) {
+    std::array<double, n> out;
+    for (std::size_t i = 0; i < n; ++i) out[i] = scale * f[i][c];
+    return out;
 }
 
-Motion motion_at(const ProfilePiece& piece, double delta) {
-    if (piece.kind == ProfilePiece::Kind::rest_start) return arc_motion(delta, 1, piece.jerk_mm_s3);
-    if (piece.kind == ProfilePiece::Kind::rest_stop) return arc_motion(piece.length_mm - delta, -1, piece.jerk_mm_s3);
-    const double third = (piece.e1 - piece.e0) / piece.length_mm, e = piece.e0 + delta * third;
-    const double x = piece.x0 + delta * (piece.d0 + delta * (piece.e0 / 2 + delta * third / 6));
-    const double root = std::sqrt(std::max(x, 0.0));
-    return {x, piece.d0 + delta * (piece.e0 + delta * third / 2), root, e * root};
-}
-
-/// Largest third difference of the samples around sample i.
-double third_difference(const Samples& f, int i) {
-    double largest = 0;
-    for (int k = std::max(i - 2, 0); k <= std::min(i - 1, samples_per_interval - 4); ++k)
-        largest = std::max(largest, std::abs(f[k + 3] - f[k] - 3 * (f[k + 2] - f[k + 1])));
-    return largest;
-}
-
-/// What a parabola leaves out of a rest arc's load, in third differences: the largest of |t(t² − 1)|/6. Arcs are not
-/// gridded finer where the path turns, and have no freedom to follow it.
-constexpr double left_out_of_arcs = 0.064;
-
-/// Largest |f| by the samples and by the parabolas through every three of them that turn near the limit, plus
-/// `left_out` third differences; infinite where a sample is not finite.
-double peak(const Samples& f, double left_out) {
-    constexpr double near = 0.97;
-    if (!std::isfinite(std::accumulate(f.begin(), f.end(), 0.0))) return std::numeric_limits<double>::infinity();
-    double largest = std::max(std::abs(f.front()), std::abs(f.back()));
-    for (int i = 1; i + 1 < samples_per_interval; ++i) {
-        largest = std::max(largest, std::abs(f[i]));
-        if (std::abs(f[i]) < near) continue;
-        const double bend = f[i - 1] - 2 * f[i] + f[i + 1], tilt = (f[i + 1] - f[i - 1]) / 2;
-        if (std::abs(tilt) < std::abs(bend))
-            largest = std::max(largest, std::abs(f[i] - tilt * tilt / (2 * bend)) + left_out * third_difference(f, i));
+void bound_half(const Half& half, const AllInverseLimits& inverse, const Interest& interest,
+                std::array<Peaks::OfCoordinate, coordinates>& out) {
+    static const BoundLoads bound_loads = bound_loads_here();
+    GroupPolynomials loads;
+    GroupLoads bounds;
+    for (int c = 0; c < coordinates; ++c) {
+        const int group = c / group_size, i = c % group_size;
+        const GroupLoads& per = inverse[group];
+        if (i == 0) bound_loads(half, group, per, loads, bounds);
+        Peaks::OfCoordinate& own = out[c];
+        own = {bounds.velocity[i], bounds.acceleration[i], bounds.jerk[i]};
+        if (own.velocity > interest[c].velocity)
+            own.velocity = Closer::bound(coordinate_of(loads.velocity, i, per.velocity[i]), half.speed.x);
+        if (own.acceleration > interest[c].acceleration)
+            own.acceleration = Closer::bound(coordinate_of(loads.acceleration, i, per.acceleration[i]));
+        if (own.jerk > interest[c].jerk)
+            own.jerk = Closer::bound(coordinate_of(loads.jerk, i, per.jerk[i]), half.speed.x);
     }
-    return largest;
 }
 
 }  // namespace
+
+BoundLoads bound_loads_here() {
+#ifdef TRUNNION_WITH_AVX2
+    if (__builtin_cpu_supports("avx2")) return avx2::bound_loads;
+#endif
+    return baseline::bound_loads;
+}
+
+Interest interest_from(double ratio) {
+    Interest out;
+    out.fill({ratio, ratio, ratio});
+    return out;
+}
+
+Peaks::OfCoordinate Peaks::of(int c) const {
+    return {std::max(half[0][c].velocity, half[1][c].velocity),
+            std::max(half[0][c].acceleration, half[1][c].acceleration), std::max(half[0][c].jerk, half[1][c].jerk)};
+}
+
+Peaks::OfCoordinate Peaks::worst_of_each() const {
+    OfCoordinate out;
+    for (int c = 0; c < coordinates; ++c) {
+        const OfCoordinate own = of(c);
+        out = {std::max(out.velocity, own.velocity), std::max(out.acceleration, own.acceleration),
+               std::max(out.jerk, own.jerk)};
+    }
+    return out;
+}
 
 double Peaks::worst() const {
-    return std::max({feed, *std::ranges::max_element(velocity), *std::ranges::max_element(acceleration),
-                     *std::ranges::max_element(jerk)});
+    const OfCoordinate each = worst_of_each();
+    return std::max({each.velocity, each.acceleration, each.jerk});
 }
 
-namespace {
-
-/// Loads of one axis at one place, of its limits.
-struct Load {
-    double velocity, acceleration, jerk;
-};
-Load load_of(const PathSample& s, const Motion& m, int axis, const machine::AxisLimits& limit) {
-    return {s.q1[axis] * m.root / limit.velocity, (s.q2[axis] * m.x + 0.5 * s.q1[axis] * m.d) / limit.acceleration,
-            ((s.q3[axis] * m.x + 1.5 * s.q2[axis] * m.d) * m.root + 0.5 * s.q1[axis] * m.e_root) / limit.jerk};
-}
-
-/// The places of an arc near its standstill.
-void add_near_rest(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits, Peaks& out) {
-    for (const NearRest& near : interval.near_rest) {
-        const bool start = piece.kind == ProfilePiece::Kind::rest_start;
-        const Motion m = motion_at(piece, start ? near.from_rest_mm : piece.length_mm - near.from_rest_mm);
-        for (int a = 0; a < limits.count; ++a) {
-            const Load load = load_of(near.sample, m, a, limits.axes[a]);
-            out.velocity[a] = std::max(out.velocity[a], std::abs(load.velocity));
-            out.acceleration[a] = std::max(out.acceleration[a], std::abs(load.acceleration));
-            out.jerk[a] = std::max(out.jerk[a], std::abs(load.jerk));
-        }
-    }
-}
-
-}  // namespace
-
-Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits) {
-    std::array<Motion, samples_per_interval> m;
+Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits, const Interest& interest) {
     Peaks out;
-    for (int i = 0; i < samples_per_interval; ++i) {
-        m[i] = motion_at(piece, piece.length_mm * i / (samples_per_interval - 1));
-        out.feed = std::max(out.feed, m[i].root / std::sqrt(interval.samples[i].feed_cap));
+    if (piece.kind != ProfilePiece::Kind::cubic) {
+        const RestSide side = piece.kind == ProfilePiece::Kind::rest_start ? RestSide::start : RestSide::stop;
+        out.half[0] = arc_loads(interval, side, limits, arc_alpha(piece.jerk_mm_s3));
+        return out;
     }
-    for (int a = 0; a < limits.count; ++a) {
-        Samples velocity, acceleration, jerk;
-        for (int i = 0; i < samples_per_interval; ++i) {
-            const Load load = load_of(interval.samples[i], m[i], a, limits.axes[a]);
-            velocity[i] = load.velocity;
-            acceleration[i] = load.acceleration;
-            jerk[i] = load.jerk;
-        }
-        const double left_out = piece.kind == ProfilePiece::Kind::cubic ? 0 : left_out_of_arcs;
-        out.velocity[a] = peak(velocity, left_out);
-        out.acceleration[a] = peak(acceleration, left_out);
-        out.jerk[a] = peak(jerk, left_out);
+    const AllInverseLimits inverse = inverse_of(limits);
+    const double h = piece.length_mm / 2;
+    for (int k = 0; k < 2; ++k) {
+        const Speed speed = speed_on(piece, k * h, h);
+        const Half half{interval.samples[k], interval.samples[k + 1], h, speed, inverse_room(speed.x)};
+        bound_half(half, inverse, interest, out.half[k]);
     }
-    if (piece.kind != ProfilePiece::Kind::cubic) add_near_rest(interval, piece, limits, out);
     return out;
 }
 
 bool is_positive(const ProfilePiece& piece) {
     if (piece.kind != ProfilePiece::Kind::cubic) return piece.jerk_mm_s3 > 0;
-    const double h = piece.length_mm, x1 = motion_at(piece, h).x, d1 = piece.d0 + h * (piece.e0 + piece.e1) / 2;
-    if (!(piece.x0 > 0 && x1 > 0)) return false;
-    if (piece.x0 + h * piece.d0 / 3 > 0 && x1 - h * d1 / 3 > 0) return true;
+    const double h = piece.length_mm;
+    const Bernstein<double, 3> x = speed_on(piece, 0, h).x;
+    if (!(x[0] > 0 && x[3] > 0)) return false;
+    if (x[1] > 0 && x[2] > 0) return true;
     const double third = (piece.e1 - piece.e0) / h, root = piece.e0 * piece.e0 - 2 * third * piece.d0;
     if (root <= 0) return true;  // no inner extremum
     // The minimum is where x″ = +√root, in the form without cancellation.
     const double s = std::sqrt(root);
     const double at = piece.e0 >= 0 ? -2 * piece.d0 / (piece.e0 + s) : (s - piece.e0) / third;
-    return !(at > 0 && at < h) || motion_at(piece, at).x > 0;
+    return !(at > 0 && at < h) || speed_on(piece, at, 0).x[0] > 0;
 }
 
 bool tighten(const Peaks& peaks, double trigger, double reserve, Tightening& tightening) {
+    Tightening::OfSamples none{1, 1, 1};
     bool changed = false;
-    const auto raise = [&](double ratio, double& factor) {
+    const auto raise = [&](int half, double ratio, double power, Tightening::OfSamples& factors,
+                           Tightening::OfSamples& raised) {
         if (!(ratio > trigger)) return;
-        factor *= reserve * ratio;
+        const double factor = reserve * std::pow(ratio, power);
+        for (const int sample : {half, half + 1}) raised[sample] = std::max(raised[sample], factor * factors[sample]);
         changed = true;
     };
-    for (int a = 0; a < machine::max_axes; ++a) {
-        raise(peaks.acceleration[a], tightening.acceleration[a]);
-        raise(peaks.jerk[a], tightening.jerk[a]);
+    const auto take = [](const Tightening::OfSamples& raised, Tightening::OfSamples& factors) {
+        for (int i = 0; i < samples_per_interval; ++i) factors[i] = std::max(factors[i], raised[i]);
+    };
+    Tightening::OfSamples speed = none;
+    for (int c = 0; c < coordinates; ++c) {
+        Tightening::OfSamples acceleration = none, jerk = none;
+        for (int half = 0; half < 2; ++half) {
+            const Peaks::OfCoordinate& peak = peaks.half[half][c];
+            raise(half, peak.velocity, 2, tightening.speed, speed);
+            raise(half, peak.acceleration, 1, tightening.acceleration[c], acceleration);
+            raise(half, peak.jerk, 1, tightening.jerk[c], jerk);
+        }
+        take(acceleration, tightening.acceleration[c]);
+        take(jerk, tightening.jerk[c]);
     }
-    const double speed = std::max(peaks.feed, *std::ranges::max_element(peaks.velocity));
-    if (speed > trigger) raise(speed * speed, tightening.speed);
+    take(speed, tightening.speed);
     return changed;
 }
 
@@ -158,9 +238,9 @@ void slow_down(std::span<ProfilePiece> pieces, double lambda) {
 }
 
 double lambda_for(const Peaks& peaks) {
-    const double velocity = std::max(peaks.feed, *std::ranges::max_element(peaks.velocity));
-    const double jerk = std::cbrt(*std::ranges::max_element(peaks.jerk));
-    return 1 / std::max({1.0, velocity * velocity, *std::ranges::max_element(peaks.acceleration), jerk * jerk});
+    const Peaks::OfCoordinate each = peaks.worst_of_each();
+    const double jerk = std::cbrt(each.jerk);
+    return 1 / std::max({1.0, each.velocity * each.velocity, each.acceleration, jerk * jerk});
 }
 
 }  // namespace trunnion::feed

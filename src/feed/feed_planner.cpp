@@ -1,8 +1,13 @@
 #include "trunnion/feed/feed_planner.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "detail/jerk_free.hpp"
+#include "detail/sampler.hpp"
 #include "detail/window.hpp"
 
 namespace trunnion::feed {
@@ -15,9 +20,15 @@ constexpr std::size_t smallest_window = 16, largest_growth = 8;
 constexpr std::size_t kept_behind_stop = 3;  // enough for a start from rest
 constexpr double tail_of_stopping_distance = 1.5;
 
-double middle_x(const ProfilePiece& piece) {
-    const double speed = motion::state_at(piece, piece.length_mm / 2).speed_mm_s;
-    return speed * speed;
+constexpr double most_committed = 0.75;  // of a window
+constexpr double margin_begins = 0.85;   // of what will about be committed
+constexpr double longest_stretch = 1.25;
+// A window that fails from one knot of the plan in hand is tried from a later one before half of the plan is used up.
+constexpr int most_retries = 3;
+constexpr std::size_t retry_after = 6;
+
+std::size_t share(double part, std::size_t size) {
+    return static_cast<std::size_t>(part * static_cast<double>(size));
 }
 
 }  // namespace
@@ -26,7 +37,7 @@ class FeedPlanner::State {
   public:
     State(const LimitSet& limits, const PlannerOptions& options, Sink sink)
         : limits_(limits),
-          calm_(options.calm),
+          options_(options),
           base_(std::max(options.window, smallest_window)),
           window_(base_),
           sink_(std::move(sink)),
@@ -34,6 +45,7 @@ class FeedPlanner::State {
 
     void push(const Interval& interval) {
         if (failed_) return;
+        if (!std::ranges::all_of(interval.samples, is_finite)) return give_up("FEED0002", "derivatives are not finite");
         intervals_.push_back(interval);
         tightening_.emplace_back();
         ++counts_.intervals;
@@ -41,24 +53,31 @@ class FeedPlanner::State {
         if (intervals_.size() >= window_ + window_ / 2) step(window_);
     }
 
-    bool finish() {
+    Result<void> finish() {
+        if (auto good = check_limits(limits_, 0); !good) return good;
+        if (!failed_ && counts_.intervals < kept_behind_stop)
+            give_up("FEED0003", "a stretch needs at least 3 intervals");
         while (!intervals_.empty()) step(intervals_.size() >= window_ + window_ / 2 ? window_ : intervals_.size());
-        return !failed_;
+        return failed_ ? Result<void>(fail(*failed_)) : Result<void>();
     }
 
     const PlannerCounts& counts() const { return counts_; }
 
   private:
     void step(std::size_t size);
-    bool stands() const { return plan_.empty() || plan_.front().kind == ProfilePiece::Kind::rest_start; }
+    bool starts_moving() const { return !any_plan_ && options_.start_speed_mm_s > 0; }
+    bool stands() const {
+        return plan_.empty() ? !starts_moving() : plan_.front().kind == ProfilePiece::Kind::rest_start;
+    }
     std::size_t stop_interval(std::size_t size) const;
     WindowProblem problem(std::size_t size);
     std::size_t commit_count(std::size_t size) const;
     void keep_old_plan(std::size_t size);
+    void give_up(std::string code, std::string text, std::string hint = {});
     void commit(std::size_t count, std::size_t scanned, bool last);
 
     LimitSet limits_;
-    double calm_;
+    PlannerOptions options_;
     std::size_t base_, window_;
     Sink sink_;
     JerkFreeScan scan_;
@@ -66,9 +85,10 @@ class FeedPlanner::State {
     std::vector<Interval> intervals_;     // not yet committed
     std::vector<Tightening> tightening_;  // of them
     std::vector<ProfilePiece> plan_;      // of the first of them, to rest; empty at rest
-    std::vector<double> known_middle_;
-    double time_s_ = 0;
-    bool failed_ = false;
+    double time_s_ = 0, commit_share_ = most_committed;
+    int retries_ = 0;
+    bool any_plan_ = false;
+    std::optional<Diagnostic> failed_;
     PlannerCounts counts_;
 };
 
@@ -86,19 +106,23 @@ WindowProblem FeedPlanner::State::problem(std::size_t size) {
     out.intervals = std::span<const Interval>(intervals_).first(size);
     out.tightening = std::span<Tightening>(tightening_).first(size);
     out.limits = &limits_;
-    out.calm = calm_;
+    out.calm = options_.calm;
     out.from_rest = stands();
-    known_middle_.clear();
+    if (options_.budget) out.most_iterations = options_.budget(counts_.windows);
+    if (starts_moving()) {
+        out.x0 = options_.start_speed_mm_s * options_.start_speed_mm_s;
+        out.d0 = 2 * options_.start_acceleration_mm_s2;
+    }
     if (plan_.empty()) return out;
     out.x0 = plan_.front().x0;
     out.d0 = plan_.front().d0;
-    for (std::size_t k = 0; k + 1 < plan_.size(); ++k) known_middle_.push_back(middle_x(plan_[k]));
-    out.known_middle = known_middle_;
+    if (!out.from_rest) out.in_hand = plan_;
     return out;
 }
 
-/// How much of the plan in hand may be committed: half the window, and less where the way from the last maximum of the
-/// speed to the stop is long, for behind that maximum the plan already brakes for a stop that will not be.
+/// How much of the plan in hand may be committed: three quarters of the window, and less where the way from the last
+/// maximum of the speed to the stop is long, for behind that maximum the plan already brakes for a stop that will not
+/// be.
 std::size_t FeedPlanner::State::commit_count(std::size_t size) const {
     double stopping = 0, rise = 0;
     for (std::size_t k = plan_.size(); k-- > 1 && plan_[k].x0 >= rise;) {
@@ -108,14 +132,14 @@ std::size_t FeedPlanner::State::commit_count(std::size_t size) const {
     std::size_t count = plan_.size();
     for (double left = 0; count > 0 && left < tail_of_stopping_distance * stopping; --count)
         left += plan_[count - 1].length_mm;
-    return std::min(count, size / 2);
+    return std::min(count, share(most_committed, size));
 }
 
 void FeedPlanner::State::step(std::size_t size) {
     const bool last = size == intervals_.size();
     const std::size_t planned = last ? size : stop_interval(size) + 1;
     WindowProblem window = problem(planned);
-    if (!last) window.far_from = planned / 2;
+    if (!last) window.far_from = share(margin_begins * commit_share_, planned);
     WindowPlan plan = solver_.solve(window);
     ++counts_.windows;
     counts_.iterations += plan.iterations;
@@ -123,18 +147,41 @@ void FeedPlanner::State::step(std::size_t size) {
     if (plan.fallback || !plan.safe) ++counts_.fallbacks;
     if (!plan.safe) return keep_old_plan(size);
     plan_ = std::move(plan.pieces);
-    if (last) return commit(plan_.size(), size, true);
-    const std::size_t count = commit_count(planned);
-    if (count >= planned / 8 || window_ >= largest_growth * base_)
-        return commit(std::max<std::size_t>(count, 1), size, false);
-    window_ *= 2;  // the stopping distance is long here: look farther before committing
+    retries_ = 0;
+    any_plan_ = true;
+    const std::size_t tail = commit_count(planned);
+    std::size_t count = last ? plan_.size() : std::max<std::size_t>(tail, 1);
+    if (!last && count < window.far_from + 2)
+        count = std::min(window.far_from + 2, share(longest_stretch, count) + 2);  // to where the margin has begun
+    if (!last && count < planned / 8 && window_ < largest_growth * base_) {
+        window_ *= 2;  // the stopping distance is long here: look farther before committing
+        return;
+    }
+    // The next window starts where about this one's commit ends: before that a plan begins to keep off the limits, so
+    // that the next one has room around it.
+    if (!last) commit_share_ = static_cast<double>(tail) / static_cast<double>(planned);
+    if (!plan.fallback) solver_.add_worth(window, count, counts_.worth);
+    commit(count, size, last);
 }
 
-/// The plan in hand is a checked motion to rest: half of it is used and planning tried again from there. From rest
-/// there is always a plan unless the path itself is broken.
+/// The plan in hand is a checked motion to rest: some of it is used and planning tried again from there. From rest
+/// there is always a plan unless the path itself is broken; a motion that comes with speed may need to see farther.
 void FeedPlanner::State::keep_old_plan(std::size_t size) {
+    if (!plan_.empty() && retries_ < most_retries && plan_.size() > 2 * retry_after) {
+        ++retries_;
+        return commit(retry_after, size, false);
+    }
     if (!plan_.empty()) return commit((plan_.size() + 1) / 2, size, false);
-    failed_ = true;
+    if (!starts_moving())
+        return give_up("FEED0004", "no motion holds the limits on this stretch",
+                       "its derivatives may be too large to compute with");
+    if (size == intervals_.size() || window_ >= largest_growth * base_)
+        return give_up("FEED0007", "the start speed cannot be stopped in what is left");
+    window_ *= 2;
+}
+
+void FeedPlanner::State::give_up(std::string code, std::string text, std::string hint) {
+    failed_ = Diagnostic{.code = std::move(code), .text = std::move(text), .hint = std::move(hint)};
     intervals_.clear();
     tightening_.clear();
 }
@@ -166,20 +213,21 @@ void FeedPlanner::push(const Interval& interval) {
     state_->push(interval);
 }
 Result<void> FeedPlanner::finish() {
-    Diagnostic problem;
-    if (state_->counts().intervals < kept_behind_stop) {
-        problem.code = "FEED0003";
-        problem.text = "a stretch needs at least 3 intervals";
-        return fail(problem);
-    }
-    if (state_->finish()) return {};
-    problem.code = "FEED0004";
-    problem.text = "no motion holds the limits on this stretch";
-    problem.hint = "its derivatives may be too large to compute with";
-    return fail(problem);
+    return state_->finish();
 }
 const PlannerCounts& FeedPlanner::counts() const {
     return state_->counts();
+}
+
+Result<void> check_limits(const LimitSet& limits, int axes) {
+    for (int c = 0; c < coordinates; ++c)
+        for (const double limit : {limits.of[c].velocity, limits.of[c].acceleration, limits.of[c].jerk}) {
+            if (limit > 0 && (c >= axes || std::isfinite(limit))) continue;
+            return fail({.code = "FEED0006",
+                         .text = "every limit must be more than 0, and every axis needs all three of them",
+                         .value = fmt::format("{}", limit)});
+        }
+    return {};
 }
 
 }  // namespace trunnion::feed

@@ -8,23 +8,24 @@ namespace {
 
 constexpr int steps = samples_per_interval - 1;
 
-/// |b x + c d| ≤ 1 per axis, c ≥ 0, of acceleration q″x + ½q′d; x ≤ cap of feed and velocities.
+/// −room ≤ b x + c d ≤ room per coordinate, c ≥ 0, of acceleration q″x + ½q′d; x ≤ cap of velocities.
 struct Rows {
-    std::array<double, machine::max_axes> b{}, c{};
+    std::array<double, coordinates> b, c;
     int count = 0;
     double cap = 0;
 };
 
 Rows rows_at(const PathSample& s, const LimitSet& limits) {
     Rows out;
-    out.count = limits.count;
-    double inverse = 1 / s.feed_cap;
-    for (int a = 0; a < limits.count; ++a) {
-        const double sign = s.q1[a] < 0 ? -1 : 1, scale = sign / limits.axes[a].acceleration,
-                     rate = s.q1[a] / limits.axes[a].velocity;
-        out.b[a] = s.q2[a] * scale;
-        out.c[a] = 0.5 * s.q1[a] * scale;
+    double inverse = 0;
+    for (int c = 0; c < coordinates; ++c) {
+        const machine::AxisLimits& limit = limits.of[c];
+        const double rate = s.q1[c] / limit.velocity;
         inverse = std::max(inverse, rate * rate);
+        if (!(limit.acceleration < LimitSet::unbounded) || (s.q1[c] == 0 && s.q2[c] == 0)) continue;
+        const double scale = (s.q1[c] < 0 ? -1 : 1) / limit.acceleration;
+        out.b[out.count] = s.q2[c] * scale;
+        out.c[out.count++] = 0.5 * s.q1[c] * scale;
     }
     out.cap = 1 / inverse;
     return out;
@@ -34,10 +35,10 @@ Rows rows_at(const PathSample& s, const LimitSet& limits) {
 double turning_ceiling(const Rows& r) {
     double x = r.cap;
     for (int i = 0; i < r.count; ++i) {
-        if (r.c[i] == 0 && r.b[i] != 0) x = std::min(x, 1 / std::abs(r.b[i]));
+        if (r.c[i] == 0 && std::abs(r.b[i]) * x > 1) x = 1 / std::abs(r.b[i]);
         for (int j = i + 1; j < r.count; ++j) {
-            const double cross = std::abs(r.b[i] * r.c[j] - r.b[j] * r.c[i]);
-            if (cross * x > r.c[i] + r.c[j]) x = (r.c[i] + r.c[j]) / cross;
+            const double cross = std::abs(r.b[i] * r.c[j] - r.b[j] * r.c[i]), room = r.c[i] + r.c[j];
+            if (cross * x > room && room > 0) x = room / cross;
         }
     }
     return x;

@@ -14,21 +14,9 @@ namespace trunnion::feed {
 namespace {
 
 constexpr double limiting_from = 0.97;  // of the limit
+constexpr double shortest_mm = 1e-3;
 
-LimitSet limits_of(const path::AxisPath& path, const FeedOptions& options) {
-    LimitSet out;
-    out.count = path.axis_count();
-    for (int a = 0; a < out.count; ++a) {
-        const machine::Axis& axis = path.machine().axes[a];
-        out.axes[a] = path.tool_path().rapid ? axis.rapid : axis.feed;
-        out.axes[a].velocity *= options.factors[a].velocity;
-        out.axes[a].acceleration *= options.factors[a].acceleration;
-        out.axes[a].jerk *= options.factors[a].jerk * (1 - options.jerk_margin);
-    }
-    return out;
-}
-
-Cause cause_of(const Peaks& peaks) {
+Cause cause_of(const Peaks& peaks, bool chord) {
     Cause cause;
     double most = limiting_from;
     const auto consider = [&](double ratio, Cause candidate) {
@@ -36,11 +24,13 @@ Cause cause_of(const Peaks& peaks) {
         most = ratio;
         cause = candidate;
     };
-    consider(peaks.feed, {Cause::Kind::feed, -1});
-    for (int a = 0; a < machine::max_axes; ++a) {
-        consider(peaks.velocity[a], {Cause::Kind::velocity, a});
-        consider(peaks.acceleration[a], {Cause::Kind::acceleration, a});
-        consider(peaks.jerk[a], {Cause::Kind::jerk, a});
+    const Cause::Kind feed = chord ? Cause::Kind::chord : Cause::Kind::feed;
+    consider(peaks.of(programmed_feed).velocity, {feed, -1});
+    for (int c = 0; c < programmed_feed; ++c) {
+        const Peaks::OfCoordinate peak = peaks.of(c);
+        consider(peak.velocity, {Cause::Kind::velocity, c});
+        consider(peak.acceleration, {Cause::Kind::acceleration, c});
+        consider(peak.jerk, {Cause::Kind::jerk, c});
     }
     return cause;
 }
@@ -52,6 +42,23 @@ Diagnostic problem(std::string code, std::string text) {
     return out;
 }
 
+/// ∫ (d³q/dt³)² dt over a piece, by Simpson's rule in p.
+double jerk_square(const Interval& interval, const motion::ProfilePiece& piece, int axis) {
+    constexpr std::array<double, samples_per_interval> weight{1.0 / 6, 4.0 / 6, 1.0 / 6};
+    double sum = 0;
+    for (int i = 0; i < samples_per_interval; ++i) {
+        const motion::PathState s = motion::state_at(piece, piece.length_mm * i / (samples_per_interval - 1));
+        const PathSample& q = interval.samples[i];
+        const double v = s.speed_mm_s, a = s.acceleration_mm_s2;
+        const double jerk = q.q3[axis] * v * v * v + 3 * q.q2[axis] * v * a + q.q1[axis] * s.jerk_mm_s3;
+        if (piece.kind != motion::ProfilePiece::Kind::cubic)
+            sum += weight[i] * jerk * jerk * piece.duration_s;  // p is a poor measure of time at rest
+        else
+            sum += weight[i] * jerk * jerk * piece.length_mm / v;
+    }
+    return sum;
+}
+
 Result<void> check(const path::AxisPath& path, const FeedOptions& options) {
     const auto refuse = [](std::string text, double value) {
         Diagnostic out = problem("FEED0001", std::move(text));
@@ -61,7 +68,29 @@ Result<void> check(const path::AxisPath& path, const FeedOptions& options) {
     if (!(options.calm >= 0 && options.calm <= 100)) return refuse("calm must lie between 0 and 100", options.calm);
     if (!(options.jerk_margin >= 0 && options.jerk_margin < 1))
         return refuse("the jerk margin must be at least 0 and less than 1", options.jerk_margin);
-    if (!(path.length_mm() > 0)) return fail(problem("FEED0005", "a stretch without length cannot be planned"));
+    const auto positive = [&](const char* what, double value) -> Result<void> {
+        if (value > 0) return {};
+        return refuse(fmt::format("{} must be more than 0", what), value);
+    };
+    for (const auto& [what, value] : {std::pair{"the chord error", options.chord_error_mm},
+                                      {"the period", options.period_s},
+                                      {"the tip's acceleration", options.tip_acceleration_mm_s2},
+                                      {"the tip's jerk", options.tip_jerk_mm_s3},
+                                      {"the tool's angular speed", options.turn_velocity_rad_s}})
+        if (auto good = positive(what, value); !good) return good;
+    if (auto good = check_limits(limits_of(path, options), path.axis_count()); !good) return good;
+    if (!(path.length_mm() >= shortest_mm)) {
+        Diagnostic out = problem("FEED0005", "a stretch this short cannot be planned");
+        out.value = fmt::format("{} mm", path.length_mm());
+        out.limit = fmt::format("{} mm", shortest_mm);
+        return fail(out);
+    }
+    for (const path::BlockSpan& block : path.tool_path().blocks)
+        if (block.feed.rule != path::FeedRule::none && !(block.feed.value > 0)) {
+            Diagnostic out = problem("FEED0008", "the programmed feed must be more than 0");
+            out.place.line = block.line;
+            return fail(out);
+        }
     return {};
 }
 
@@ -108,21 +137,25 @@ double feed_speed_cap(const path::BlockSpan& block, const path::AxisSample& samp
 
 class IntervalStream::State {
   public:
-    State(const path::AxisPath& path, const LimitSet& limits) : path_(path), cells_(make_grid(path, limits)) {}
+    State(const path::AxisPath& path, const FeedOptions& options)
+        : sampler_(path, options), grid_(sampler_), cells_(sampler_) {}
 
     Result<bool> next(Interval& interval) {
-        if (next_ == cells_.size()) return false;
-        auto sampled = sample_cell(path_, cells_[next_]);
-        if (!sampled) return fail(sampled.error());
-        interval = std::move(*sampled);
-        ++next_;
+        while (ready_.empty()) {
+            const std::optional<Cell> cell = grid_.next();
+            if (!cell) return false;
+            if (auto sampled = cells_.sample(*cell, ready_); !sampled) return fail(sampled.error());
+        }
+        interval = std::move(ready_.front());
+        ready_.pop_front();
         return true;
     }
 
   private:
-    const path::AxisPath& path_;
-    std::vector<Cell> cells_;
-    std::size_t next_ = 0;
+    Sampler sampler_;
+    Grid grid_;
+    CellSampler cells_;
+    std::deque<Interval> ready_;
 };
 
 IntervalStream::IntervalStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -132,7 +165,7 @@ IntervalStream& IntervalStream::operator=(IntervalStream&&) noexcept = default;
 
 Result<IntervalStream> IntervalStream::make(const path::AxisPath& path, const FeedOptions& options) {
     if (auto checked = check(path, options); !checked) return fail(checked.error());
-    return IntervalStream(std::make_unique<State>(path, limits_of(path, options)));
+    return IntervalStream(std::make_unique<State>(path, options));
 }
 Result<bool> IntervalStream::next(Interval& interval) {
     return state_->next(interval);
@@ -142,8 +175,9 @@ class StretchPlanner::State {
   public:
     State(const path::AxisPath& path, const FeedOptions& options)
         : limits_(limits_of(path, options)),
+          axes_(path.axis_count()),
           jerk_share_(1 - options.jerk_margin),
-          planner_(limits_, {options.calm, options.window},
+          planner_(limits_, {.calm = options.calm, .window = options.window, .budget = options.budget},
                    [this](const Interval& interval, const motion::ProfilePiece& piece) { take(interval, piece); }) {}
 
     void push(const Interval& interval) { planner_.push(interval); }
@@ -151,22 +185,37 @@ class StretchPlanner::State {
 
   private:
     void take(const Interval& interval, const motion::ProfilePiece& piece);
+    Interest interest() const;
 
     LimitSet limits_;
+    int axes_;
     double jerk_share_;
     StretchPlan out_;
     FeedPlanner planner_;
 };
 
+/// Loads are looked at closely where they may be what limits, or be larger than any before.
+Interest StretchPlanner::State::interest() const {
+    Interest out = interest_from(limiting_from);
+    for (int a = 0; a < axes_; ++a) {
+        const AxisPeaks& peak = out_.peaks[a];
+        out[a] = {std::min(out[a].velocity, peak.velocity), std::min(out[a].acceleration, peak.acceleration),
+                  std::min(out[a].jerk, peak.jerk / jerk_share_)};
+    }
+    return out;
+}
+
 void StretchPlanner::State::take(const Interval& interval, const motion::ProfilePiece& piece) {
-    const Peaks peaks = peaks_of(interval, piece, limits_);
+    const Peaks peaks = peaks_of(interval, piece, limits_, interest());
     out_.profile.pieces.push_back(piece);
-    out_.causes.push_back(cause_of(peaks));
-    for (int a = 0; a < limits_.count; ++a) {
+    out_.causes.push_back(cause_of(peaks, interval.chord));
+    for (int a = 0; a < axes_; ++a) {
+        const Peaks::OfCoordinate own = peaks.of(a);
         AxisPeaks& axis = out_.peaks[a];
-        axis.velocity = std::max(axis.velocity, peaks.velocity[a]);
-        axis.acceleration = std::max(axis.acceleration, peaks.acceleration[a]);
-        axis.jerk = std::max(axis.jerk, peaks.jerk[a] * jerk_share_);
+        axis.velocity = std::max(axis.velocity, own.velocity);
+        axis.acceleration = std::max(axis.acceleration, own.acceleration);
+        axis.jerk = std::max(axis.jerk, own.jerk * jerk_share_);
+        out_.jerk_square_s[a] += jerk_square(interval, piece, a) * std::pow(jerk_share_ / limits_.of[a].jerk, 2);
     }
 }
 
@@ -179,6 +228,8 @@ Result<StretchPlan> StretchPlanner::State::finish() {
     out_.iterations = counts.iterations;
     out_.tightening_rounds = counts.tightening_rounds;
     out_.fallbacks = counts.fallbacks;
+    std::copy_n(counts.worth.begin(), axes_, out_.worth.begin());
+    out_.feed_worth_s = counts.worth[programmed_feed].velocity_s;
     return std::move(out_);
 }
 

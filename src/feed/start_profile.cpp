@@ -28,21 +28,19 @@ double power_4_3(double y) {
 }
 
 Allowance allowance(const Interval& interval, const LimitSet& limits) {
-    double inverse_x = 0, jerk1 = smallest, acceleration1 = smallest, jerk2 = smallest;
-    for (const int k : {0, samples_per_interval / 2, samples_per_interval - 1}) {
-        const PathSample& s = interval.samples[k];
-        inverse_x = std::max(inverse_x, 1 / s.feed_cap);
-        for (int a = 0; a < limits.count; ++a) {
-            const machine::AxisLimits& limit = limits.axes[a];
-            const double q1 = std::abs(s.q1[a]), q2 = std::abs(s.q2[a]), q3 = std::abs(s.q3[a]);
-            const double by_jerk = std::cbrt(q3 / (0.3 * limit.jerk));
-            inverse_x = std::max({inverse_x, q1 * q1 / (limit.velocity * limit.velocity), 2 * q2 / limit.acceleration,
-                                  by_jerk * by_jerk});
+    double inverse_x = 0, jerk1 = smallest, acceleration1 = smallest, jerk2 = smallest, jerk3 = 0;
+    for (const PathSample& s : interval.samples)
+        for (int c = 0; c < coordinates; ++c) {
+            const machine::AxisLimits& limit = limits.of[c];
+            const double q1 = std::abs(s.q1[c]), q2 = std::abs(s.q2[c]), rate = q1 / limit.velocity;
+            inverse_x = std::max({inverse_x, rate * rate, 2 * q2 / limit.acceleration});
+            jerk3 = std::max(jerk3, std::abs(s.q3[c]) / limit.jerk);
             jerk1 = std::max(jerk1, q1 / limit.jerk);
             acceleration1 = std::max(acceleration1, q1 / limit.acceleration);
             jerk2 = std::max(jerk2, q2 / limit.jerk);
         }
-    }
+    const double by_jerk = std::cbrt(jerk3 / 0.3);
+    inverse_x = std::max(inverse_x, by_jerk * by_jerk);
     return {share * power_3_4(1 / std::max(inverse_x, 1e-100)), std::sqrt(2.25 * share / jerk1),
             0.75 * 0.7 * share / acceleration1, 0.15 * share / jerk2};
 }
@@ -106,6 +104,11 @@ void average(Knots& k) {
     k.y = std::move(smooth);
 }
 
+double middle_of(const motion::ProfilePiece& piece) {
+    const double speed = motion::state_at(piece, piece.length_mm / 2).speed_mm_s;
+    return speed * speed;
+}
+
 /// x and x′ at the knots from one Bézier mid value per interval: a C¹ quadratic spline.
 void spline_through(const std::vector<double>& middle, const CoreProblem& core, Trajectory& out) {
     const std::size_t n = middle.size();
@@ -134,7 +137,7 @@ void make_start_profile(const WindowProblem& window, const CoreProblem& core, Tr
     std::vector<double> middle(n);
     for (std::size_t k = 0; k < n; ++k) {
         middle[k] = std::max((power_4_3(knots.y[k + first]) + power_4_3(knots.y[k + first + 1])) / 2, smallest);
-        if (k + first < window.known_middle.size()) middle[k] = std::max(middle[k], window.known_middle[k + first]);
+        if (k + 1 < window.in_hand.size()) middle[k] = std::max(middle[k], middle_of(window.in_hand[k]));
     }
     out.resize(n);
     if (!window.from_rest) {

@@ -10,9 +10,10 @@ namespace {
 
 using motion::ProfilePiece;
 
-constexpr int max_iterations = 60, max_rounds = 8;
+constexpr int max_iterations = 60, warm_iterations = 40, max_rounds = 12;
 constexpr double gap = 3e-4;
 constexpr double tightening_trigger = 1.0002;
+constexpr double most_reserve = 3e-3;
 constexpr double first_reserve = 2e-4;  // doubled from round to round, so that the last few intervals settle
 
 ProfilePiece arc_piece(const Interval& interval, RestSide side, double joint_x) {
@@ -37,10 +38,11 @@ struct Verdict {
 };
 
 Verdict examine(const WindowProblem& window, std::span<const ProfilePiece> pieces, std::vector<Peaks>& peaks) {
+    static const Interest interest = interest_from(tightening_trigger);
     Verdict out;
     peaks.resize(pieces.size());
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-        peaks[k] = peaks_of(window.intervals[k], pieces[k], *window.limits);
+        peaks[k] = peaks_of(window.intervals[k], pieces[k], *window.limits, interest);
         out.worst = std::max(out.worst, peaks[k].worst());
         out.lambda = std::min(out.lambda, lambda_for(peaks[k]));
         out.positive = out.positive && is_positive(pieces[k]);
@@ -72,9 +74,8 @@ CoreProblem WindowSolver::core_of(const WindowProblem& window) const {
     core.calm = window.calm;
     core.far_from = std::max(window.far_from, window.first_core()) - window.first_core();
     core.from_rest = window.from_rest;
-    if (window.from_rest)
-        core.start = arc_joint(window.intervals.front(), RestSide::start, *window.limits, window.tightening.front());
-    core.stop = arc_joint(window.intervals.back(), RestSide::stop, *window.limits, window.tightening.back());
+    if (window.from_rest) core.start = arc_joint(window.intervals.front(), RestSide::start, *window.limits);
+    core.stop = arc_joint(window.intervals.back(), RestSide::stop, *window.limits);
     return core;
 }
 
@@ -96,19 +97,29 @@ std::vector<ProfilePiece> WindowSolver::pieces_of(const WindowProblem& window, c
     return out;
 }
 
-/// Solves and tightens until every interval holds its limits at all samples, or the rounds are used up.
+/// Solves and tightens until every interval holds its limits everywhere, or the rounds are used up. Where the solver
+/// gets lost after a tightening, of other motions maybe than are possible from here, it begins anew without any.
 WindowPlan WindowSolver::improve(const WindowProblem& window) {
     WindowPlan plan;
-    solver_.begin(core_of(window), start_);
-    for (;; ++plan.rounds) {
-        const SolveReport report = solver_.run(gap, max_iterations);
+    solver_->begin(core_of(window), start_);
+    int patience = max_iterations;
+    for (bool anew = false;; ++plan.rounds) {
+        const SolveReport report = solver_->run(gap, std::min(patience, window.most_iterations - plan.iterations));
         plan.iterations += report.iterations;
         plan.fallback = !report.converged;
-        plan.pieces = pieces_of(window, solver_.trajectory());
+        if (!report.converged && plan.rounds > 0 && !anew && plan.iterations < window.most_iterations) {
+            anew = true;
+            std::ranges::fill(window.tightening, Tightening{});
+            patience = max_iterations;
+            solver_->begin(core_of(window), start_);
+            continue;
+        }
+        plan.pieces = pieces_of(window, solver_->trajectory());
         plan.safe = examine(window, plan.pieces, peaks_).safe();
-        if (plan.safe || !report.converged || plan.rounds == max_rounds) return plan;
-        if (!tighten_all(window, peaks_, 1 + std::ldexp(first_reserve, plan.rounds))) return plan;
-        solver_.retighten(core_of(window));
+        if (plan.safe || !report.converged || plan.rounds >= max_rounds) return plan;
+        if (!tighten_all(window, peaks_, 1 + std::min(std::ldexp(first_reserve, plan.rounds), most_reserve))) return plan;
+        patience = warm_iterations;
+        solver_->retighten(core_of(window));
     }
 }
 

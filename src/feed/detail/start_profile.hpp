@@ -1,6 +1,8 @@
 #pragma once
 
-#include <optional>
+#include <limits>
+
+#include "trunnion/motion/feed_profile.hpp"
 
 #include "detail/interior_point.hpp"
 
@@ -14,8 +16,9 @@ struct WindowProblem {
     double calm = 0;
     std::size_t far_from = static_cast<std::size_t>(-1);  ///< see CoreProblem; of `intervals`
     bool from_rest = true;
-    double x0 = 0, d0 = 0;                 ///< when not from_rest
-    std::span<const double> known_middle;  ///< of the plan in hand: x at the middles of the first intervals
+    double x0 = 0, d0 = 0;                                  ///< when not from_rest
+    int most_iterations = std::numeric_limits<int>::max();  ///< budget of the solver, all rounds together
+    std::span<const motion::ProfilePiece> in_hand;  ///< when not from_rest: the plan in hand, over the first intervals
     std::size_t first_core() const { return from_rest ? 1 : 0; }
     std::size_t core_count() const { return intervals.size() - 1 - first_core(); }
 };

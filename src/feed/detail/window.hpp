@@ -19,13 +19,17 @@ struct WindowPlan {
 class WindowSolver {
   public:
     WindowPlan solve(const WindowProblem& window);
+    /// After a solve: adds what more of each limit is worth to the first `count` intervals of it.
+    void add_worth(const WindowProblem& window, std::size_t count, Worth& worth) const {
+        if (count > window.first_core()) solver_->add_worth(count - window.first_core(), worth);
+    }
 
   private:
     CoreProblem core_of(const WindowProblem& window) const;
     std::vector<motion::ProfilePiece> pieces_of(const WindowProblem& window, const Trajectory& core) const;
     WindowPlan improve(const WindowProblem& window);
 
-    InteriorPoint solver_;
+    std::unique_ptr<InteriorPoint> solver_ = InteriorPoint::make();
     Trajectory start_;
     std::vector<Peaks> peaks_;
 };

@@ -11,8 +11,8 @@ using motion::ProfilePiece;
 
 feed::LimitSet one_axis() {
     feed::LimitSet limits;
-    limits.count = 1;
-    limits.axes[0] = {100, 1000, 20000};
+    
+    limits.of[0] = {100, 1000, 20000};
     return limits;
 }
 
@@ -71,12 +71,12 @@ TEST(FeedPlanner, RefusesTooFewIntervals) {
 TEST(FeedPlanner, SaysWhenNothingCanBePlanned) {
     FeedPlanner planner(one_axis(), {}, [](const Interval&, const ProfilePiece&) {});
     for (Interval interval : line(10)) {
-        interval.samples[4].q2[0] = std::numeric_limits<double>::quiet_NaN();
+        interval.samples[1].q2[0] = std::numeric_limits<double>::quiet_NaN();
         planner.push(interval);
     }
     const auto done = planner.finish();
     ASSERT_FALSE(done);
-    EXPECT_EQ(done.error().code, "FEED0004");
+    EXPECT_EQ(done.error().code, "FEED0002");
 }
 
 }  // namespace

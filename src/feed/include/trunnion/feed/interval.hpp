@@ -9,21 +9,24 @@
 
 namespace trunnion::feed {
 
-/// Samples of an interval, evenly spaced, both ends included. The solver's rows stand at the first, the middle and the
-/// last one; a plan is checked at all of them.
-inline constexpr int samples_per_interval = 9;
+/// What limits are held along: the machine's axes in the order of AxisVector, then the way of the tip, the turn of the
+/// tool (as AxisSample::feed_rate and turn_rate count them), and the programmed feed as a share of itself.
+inline constexpr int tip_way = machine::max_axes, tool_turn = tip_way + 1, programmed_feed = tip_way + 2;
+inline constexpr int coordinates = programmed_feed + 1;
 
-/// Derivatives of the axes by p (mm, rad per mm^k) and the programmed feed at one place. At an interval's ends they are
-/// one-sided, from inside.
+/// Samples of an interval: both ends and the middle. The solver's rows stand there; between them every coordinate's q′
+/// is the quintic through values and two derivatives at both ends of a half.
+inline constexpr int samples_per_interval = 3;
+
+/// Derivatives of the coordinates by p at one place (mm, rad or 1 per mm^k). At an interval's ends they are one-sided,
+/// from inside. 0 in coordinates that have no limit here.
 struct PathSample {
-    std::array<double, machine::max_axes> q1{}, q2{}, q3{};
-    double feed_cap = std::numeric_limits<double>::infinity();  ///< bound of x = ṗ², mm²/s²
+    std::array<double, coordinates> q1{}, q2{}, q3{};
 };
 
-/// A place of an arc at rest, so far from the standstill. Beside the pole the axes bend within a tiny part of the arc,
-/// and time is long there: these places come ever nearer to the standstill, in steps of 1.25.
-struct NearRest {
-    double from_rest_mm = 0;  ///< > 0
+/// A place of an arc at rest, so far from the standstill.
+struct ArcSample {
+    double from_rest_mm = 0;
     PathSample sample;
 };
 
@@ -32,13 +35,19 @@ struct Interval {
     path::PathPlace begin;
     double length_mm = 0;  ///< > 0
     std::array<PathSample, samples_per_interval> samples;
-    std::vector<NearRest> near_rest;  ///< of the arcs at rest alone
+    bool chord = false;          ///< whether the chord error bounds the speed more than the programmed feed does
+    std::vector<ArcSample> arc;  ///< of the arcs at rest alone: places from the standstill (0) to the other end,
+                                 ///< ever closer to the standstill, since beside the pole the axes bend there
 };
 
-/// What the axes can do: the first `count` of `axes` count.
+/// What the coordinates can do; infinite where nothing bounds.
 struct LimitSet {
-    std::array<machine::AxisLimits, machine::max_axes> axes;
-    int count = 0;
+    static constexpr double unbounded = std::numeric_limits<double>::infinity();
+    LimitSet() {
+        of.fill({unbounded, unbounded, unbounded});
+        of[programmed_feed].velocity = 1;
+    }
+    std::array<machine::AxisLimits, coordinates> of;
 };
 
 }  // namespace trunnion::feed

@@ -3,12 +3,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "trunnion/base/result.hpp"
+#include "trunnion/feed/feed_planner.hpp"
 #include "trunnion/feed/interval.hpp"
 #include "trunnion/motion/feed_profile.hpp"
 #include "trunnion/path/axis_path.hpp"
@@ -33,6 +35,7 @@ struct FeedOptions {
     /// How fast the tool may turn: as AxisSample::turn_rate counts.
     double turn_velocity_rad_s = std::numeric_limits<double>::infinity();
     std::array<LimitFactors, machine::max_axes> factors{};
+    std::function<int(int window)> budget;  ///< see PlannerOptions
 };
 
 /// What holds the speed down on a piece of the profile.
@@ -42,15 +45,9 @@ struct Cause {
     int axis = -1;
     bool operator==(const Cause&) const = default;
 };
-inline constexpr int tip_way = machine::max_axes, tool_turn = machine::max_axes + 1;
 
 /// `feed`, `chord`, `A jerk`, `X velocity`, `tip acceleration`, `tool velocity`, …; `none` where nothing limits.
 std::string name_of(const Cause& cause, const machine::Machine& machine);
-
-/// What a little more of each limit of an axis is worth, from the multipliers: d(time)/d(ln limit), s, ≤ 0.
-struct LimitWorth {
-    double velocity_s = 0, acceleration_s = 0, jerk_s = 0;
-};
 
 /// Peak / limit of one axis (the whole limit, without the jerk margin).
 struct AxisPeaks {
@@ -61,14 +58,14 @@ struct StretchPlan {
     motion::FeedProfile profile;
     std::vector<Cause> causes;  ///< one a piece of the profile
     std::array<AxisPeaks, machine::max_axes>
-        peaks{};                   ///< at nine samples a piece and the parabolas between, and nearer to rest
+        peaks{};                   ///< bounds over the whole motion, at most 1e-4 above what is reached
     double jerk_free_bound_s = 0;  ///< same path, velocity, acceleration and feed limits only
     std::size_t intervals = 0;
     int windows = 0, iterations = 0, tightening_rounds = 0;
     int fallbacks = 0;                                      ///< windows whose plan is not the optimum
     std::array<double, machine::max_axes> jerk_square_s{};  ///< ∫ (jerk/limit)² dt, of the whole limit
-    std::array<LimitWorth, machine::max_axes> worth{};
-    double feed_worth_s = 0;  ///< the same of the programmed feed
+    std::array<LimitWorth, machine::max_axes> worth{};      ///< what a little more of each limit is worth
+    double feed_worth_s = 0;                                ///< the same of the programmed feed
 };
 
 /// The ṗ that the programmed feed of a block allows at a place, mm/s; infinite where it bounds nothing.
