@@ -306,21 +306,18 @@ Cell part_of(const Cell& cell, double from, double length) {
     return {{cell.begin.piece, cell.begin.offset_mm + from}, length, cell.block, cell.from_rest, cell.to_rest};
 }
 
-/// Where the chord error bounds the speed more than the feed does, the larger rate of both takes the feed's place, as
-/// the parabola through its samples.
+/// Where the chord error bounds the speed more than the feed does, the largest rate of both takes the feed's place on
+/// the whole interval: nobody knows its derivatives.
 void add_chord(const std::array<double, samples_per_interval>& chord, Interval& interval) {
-    std::array<double, samples_per_interval> rate;
+    double rate = 0;
     for (int i = 0; i < samples_per_interval; ++i) {
         interval.chord = interval.chord || chord[i] > interval.samples[i].q1[programmed_feed];
-        rate[i] = std::max(chord[i], interval.samples[i].q1[programmed_feed]);
+        rate = std::max({rate, chord[i], interval.samples[i].q1[programmed_feed]});
     }
     if (!interval.chord) return;
-    const double h = interval.length_mm, bend = 4 * (rate[0] - 2 * rate[1] + rate[2]) / (h * h);
-    for (int i = 0; i < samples_per_interval; ++i) {
-        PathSample& s = interval.samples[i];
-        s.q1[programmed_feed] = rate[i];
-        s.q2[programmed_feed] = (rate[2] - rate[0]) / h + (i - 1) * bend * h / 2;
-        s.q3[programmed_feed] = bend;
+    for (PathSample& s : interval.samples) {
+        s.q1[programmed_feed] = rate;
+        s.q2[programmed_feed] = s.q3[programmed_feed] = 0;
     }
 }
 

@@ -166,7 +166,9 @@ class Solver final : public InteriorPoint {
     void backward_corrector();
     void finish_rows(double mu, double second_order);
     Pull start_pull(const Pull& pull) const;
-    void forward(const std::vector<Feedforward>& feed, const Pull& start, Direction& out) const;
+    void forward(std::size_t k, const Feedforward& feed, Pull& at, Direction& out) const;
+    void forward_affine_and_centring();
+    void forward_corrector();
     double positive_step() const;
     void combine(double mu, double second_order);
     void advance(double primal);
@@ -409,21 +411,33 @@ inline Pull Solver::start_pull(const Pull& pull) const {
     return {y, kappa * y};
 }
 
-inline void Solver::forward(const std::vector<Feedforward>& feed, const Pull& start, Direction& out) const {
-    double x = start.x, d = start.d;
+/// One step of a direction over interval k.
+inline void Solver::forward(std::size_t k, const Feedforward& feed, Pull& at, Direction& out) const {
+    const StageGain& g = gain_[k];
+    const double h = problem_.intervals[k].length_mm, x = at.x, d = at.d;
+    const double e0 = feed.e0 - g.k0x * x - g.k0d * d, e1 = feed.e1 - g.k1x * x - g.k1d * d - g.k1e * e0;
+    out.x[k] = x;
+    out.d[k] = d;
+    out.e0[k] = e0;
+    out.e1[k] = e1;
+    at.x += h * (d + h * (e0 / 3 + e1 / 6));
+    at.d += h * (e0 + e1) / 2;
+    out.x[k + 1] = at.x;
+    out.d[k + 1] = at.d;
+}
+
+/// Both directions that are known after the backward pass: one's arithmetic fills the waits of the other's.
+inline void Solver::forward_affine_and_centring() {
+    Pull affine = pull_affine_, centring = pull_centring_;
     for (std::size_t k = 0; k < count_; ++k) {
-        const StageGain& g = gain_[k];
-        const double h = problem_.intervals[k].length_mm;
-        const double e0 = feed[k].e0 - g.k0x * x - g.k0d * d, e1 = feed[k].e1 - g.k1x * x - g.k1d * d - g.k1e * e0;
-        out.x[k] = x;
-        out.d[k] = d;
-        out.e0[k] = e0;
-        out.e1[k] = e1;
-        x += h * (d + h * (e0 / 3 + e1 / 6));
-        d += h * (e0 + e1) / 2;
+        forward(k, feed_affine_[k], affine, affine_);
+        forward(k, feed_centring_[k], centring, centring_);
     }
-    out.x[count_] = x;
-    out.d[count_] = d;
+}
+
+inline void Solver::forward_corrector() {
+    Pull at = pull_corrector_;
+    for (std::size_t k = 0; k < count_; ++k) forward(k, feed_corrector_[k], at, corrector_);
 }
 
 [[gnu::flatten]] inline void Solver::backward_corrector() {
@@ -505,15 +519,14 @@ inline SolveReport Solver::run(double gap_limit, int max_iterations) {
     for (; report.iterations < max_iterations; ++report.iterations) {
         backward();
         primal_ = dual_ = 0;  // applied
-        forward(feed_affine_, pull_affine_, affine_);
-        forward(feed_centring_, pull_centring_, centring_);
+        forward_affine_and_centring();
         backward_corrector();
         if (done(gap_limit)) {
             report.converged = true;
             break;
         }
         if (!std::isfinite(sum(sums_.promise))) break;
-        forward(feed_corrector_, pull_corrector_, corrector_);
+        forward_corrector();
         const double gap = sum(state_.gap);
         const double ap = step_to_boundary(max_lane(sums_.primal_block)),
                      ad = step_to_boundary(max_lane(sums_.dual_block));

@@ -11,7 +11,7 @@ using motion::ProfilePiece;
 
 feed::LimitSet one_axis() {
     feed::LimitSet limits;
-    
+
     limits.of[0] = {100, 1000, 20000};
     return limits;
 }
@@ -77,6 +77,37 @@ TEST(FeedPlanner, SaysWhenNothingCanBePlanned) {
     const auto done = planner.finish();
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().code, "FEED0002");
+}
+
+TEST(FeedPlanner, GoesOnFromAStartSpeed) {
+    std::vector<ProfilePiece> pieces;
+    FeedPlanner planner(one_axis(), {.start_speed_mm_s = 60, .start_acceleration_mm_s2 = 200},
+                        [&](const Interval&, const ProfilePiece& piece) { pieces.push_back(piece); });
+    for (const Interval& interval : line(200)) planner.push(interval);
+    ASSERT_TRUE(planner.finish());
+    EXPECT_EQ(pieces.front().kind, ProfilePiece::Kind::cubic);
+    const motion::PathState start = motion::state_at(pieces.front(), 0);
+    EXPECT_NEAR(start.speed_mm_s, 60, 1e-9);
+    EXPECT_NEAR(start.acceleration_mm_s2, 200, 1e-9);
+    EXPECT_LT(pieces.back().begin_s + pieces.back().duration_s, 2.15);
+}
+
+TEST(FeedPlanner, RefusesAStartSpeedThatCannotBeStopped) {
+    FeedPlanner planner(one_axis(), {.start_speed_mm_s = 100}, [](const Interval&, const ProfilePiece&) {});
+    for (const Interval& interval : line(3)) planner.push(interval);  // 100 mm/s take 7.5 mm to stop
+    const auto done = planner.finish();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, "FEED0007");
+}
+
+TEST(FeedPlanner, RefusesALimitOfZero) {
+    feed::LimitSet limits = one_axis();
+    limits.of[0].jerk = 0;
+    FeedPlanner planner(limits, {}, [](const Interval&, const ProfilePiece&) {});
+    for (const Interval& interval : line(10)) planner.push(interval);
+    const auto done = planner.finish();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, "FEED0006");
 }
 
 }  // namespace
