@@ -23,17 +23,15 @@ struct Bound {
 /// What the limits say of x″ on a step h between two samples: jerk at its begin, acceleration at its end.
 class Allowance {
   public:
-    Allowance(const PathSample& here, const PathSample& next, const LimitSet& limits, MovingStart at, double h)
-        : count_(2 * static_cast<std::size_t>(limits.count)) {
+    Allowance(const PathSample& here, const PathSample& next, const LimitSet& limits, MovingStart at, double h) {
         const double inverse_root = 1 / std::sqrt(at.x);
-        for (std::size_t a = 0; 2 * a < count_; ++a) {
+        for (std::size_t a = 0; a < coordinates; ++a) {
             bounds_[2 * a] = {here.q3[a] * at.x + 1.5 * here.q2[a] * at.d, 0.5 * here.q1[a],
-                              limits.axes[a].jerk * inverse_root};
+                              limits.of[a].jerk * inverse_root};
             bounds_[2 * a + 1] = {next.q2[a] * (at.x + h * at.d) + 0.5 * next.q1[a] * at.d,
-                                  next.q2[a] * h * h / 2 + 0.5 * next.q1[a] * h, limits.axes[a].acceleration};
+                                  next.q2[a] * h * h / 2 + 0.5 * next.q1[a] * h, limits.of[a].acceleration};
         }
-        for (std::size_t k = 0; k < count_; ++k) {
-            const Bound& b = bounds_[k];
+        for (const Bound& b : bounds_) {
             if (std::abs(b.factor) < 1e-300) continue;
             const double centre = -b.constant / b.factor, reach = b.bound / std::abs(b.factor);
             low_ = std::max(low_, centre - reach);
@@ -44,13 +42,12 @@ class Allowance {
     double between(double part) const { return low_ + part * (high_ - low_); }
     double worst(double e) const {
         double out = 0;
-        for (std::size_t k = 0; k < count_; ++k) out = std::max(out, bounds_[k].ratio(e));
+        for (const Bound& b : bounds_) out = std::max(out, b.ratio(e));
         return out;
     }
 
   private:
-    std::array<Bound, std::size_t{2} * machine::max_axes> bounds_;
-    std::size_t count_;
+    std::array<Bound, std::size_t{2} * coordinates> bounds_;
     double low_ = -std::numeric_limits<double>::infinity(), high_ = std::numeric_limits<double>::infinity();
 };
 
@@ -187,7 +184,8 @@ class Shooting {
         out.curve.way_mm.push_back(at.way);
         out.curve.x.push_back(at.at.x);
         if (knot == 0) return;
-        out.within_cap = at.at.x <= strides_[knot - 1].next->feed_cap;
+        const double rate = strides_[knot - 1].next->q1[programmed_feed];
+        out.within_cap = at.at.x * rate * rate <= 1;
         if (!out.within_cap) out.over_cap_mm = at.way;
     }
 

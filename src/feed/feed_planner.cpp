@@ -27,6 +27,11 @@ constexpr double longest_stretch = 1.25;
 constexpr int most_retries = 3;
 constexpr std::size_t retry_after = 6;
 
+double middle_x(const ProfilePiece& piece) {
+    const double speed = motion::state_at(piece, piece.length_mm / 2).speed_mm_s;
+    return speed * speed;
+}
+
 std::size_t share(double part, std::size_t size) {
     return static_cast<std::size_t>(part * static_cast<double>(size));
 }
@@ -85,6 +90,7 @@ class FeedPlanner::State {
     std::vector<Interval> intervals_;     // not yet committed
     std::vector<Tightening> tightening_;  // of them
     std::vector<ProfilePiece> plan_;      // of the first of them, to rest; empty at rest
+    std::vector<double> known_middle_;
     double time_s_ = 0, commit_share_ = most_committed;
     int retries_ = 0;
     bool any_plan_ = false;
@@ -109,6 +115,7 @@ WindowProblem FeedPlanner::State::problem(std::size_t size) {
     out.calm = options_.calm;
     out.from_rest = stands();
     if (options_.budget) out.most_iterations = options_.budget(counts_.windows);
+    known_middle_.clear();
     if (starts_moving()) {
         out.x0 = options_.start_speed_mm_s * options_.start_speed_mm_s;
         out.d0 = 2 * options_.start_acceleration_mm_s2;
@@ -116,7 +123,8 @@ WindowProblem FeedPlanner::State::problem(std::size_t size) {
     if (plan_.empty()) return out;
     out.x0 = plan_.front().x0;
     out.d0 = plan_.front().d0;
-    if (!out.from_rest) out.in_hand = plan_;
+    for (std::size_t k = 0; k + 1 < plan_.size(); ++k) known_middle_.push_back(middle_x(plan_[k]));
+    out.known_middle = known_middle_;
     return out;
 }
 

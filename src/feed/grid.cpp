@@ -331,17 +331,14 @@ std::vector<double> arc_places(double length) {
     return out;
 }
 
-}  // namespace
-
-Sampler::Place CellSampler::at(const Cell& cell, double way_mm) const {
-    return sampler_.at({cell.begin.piece, cell.begin.offset_mm + way_mm}, cell.block);
+Sampler::Place at(const Sampler& sampler, const Cell& cell, double way_mm) {
+    return sampler.at({cell.begin.piece, cell.begin.offset_mm + way_mm}, cell.block);
 }
 
 /// The error of a quintic is largest in its middle; that of one over half the way is 2⁻⁶ of it, 2⁻⁵ in the first
 /// derivative and 2⁻⁴ in the second.
-bool CellSampler::is_told(const Cell& cell, const PathSample& begin, const PathSample& middle,
-                          const PathSample& end) const {
-    const LimitSet& limits = sampler_.limits();
+bool is_told(const Cell& cell, const PathSample& begin, const PathSample& middle, const PathSample& end,
+             const LimitSet& limits) {
     const double h = cell.length_mm;
     const Extent extent = largest_motion(middle, limits);
     for (int c = 0; c < coordinates; ++c) {
@@ -360,6 +357,36 @@ bool CellSampler::is_told(const Cell& cell, const PathSample& begin, const PathS
     return true;
 }
 
+Result<Interval> interval_of(const Sampler& sampler, const Cell& cell, const Sampler::Place& begin,
+                             const Sampler::Place& middle, const Sampler::Place& end) {
+    const std::array<const Sampler::Place*, samples_per_interval> places{&begin, &middle, &end};
+    Interval out;
+    out.begin = cell.begin;
+    out.length_mm = cell.length_mm;
+    std::array<double, samples_per_interval> chord{};
+    for (int i = 0; i < samples_per_interval; ++i) {
+        out.samples[i] = places[i]->sample;
+        chord[i] = places[i]->chord_rate;
+    }
+    if (!std::ranges::all_of(out.samples, is_finite))
+        return fail(at_cell(sampler.path(), cell, "FEED0002", "the path has no finite derivatives here"));
+    if (sampler.has_chord_error()) add_chord(chord, out);
+    if (!cell.from_rest && !cell.to_rest) return out;
+    for (const double u : arc_places(cell.length_mm)) {
+        Sampler::Place place = at(sampler, cell, cell.from_rest ? u : cell.length_mm - u);
+        place.sample.q1[programmed_feed] = std::max(place.sample.q1[programmed_feed], place.chord_rate);
+        out.arc.push_back({u, place.sample});
+    }
+    return out;
+}
+
+}  // namespace
+
+Result<Interval> sample_cell(const Sampler& sampler, const Cell& cell) {
+    return interval_of(sampler, cell, at(sampler, cell, 0), at(sampler, cell, cell.length_mm / 2),
+                       at(sampler, cell, cell.length_mm));
+}
+
 /// One path piece follows the other without a jump.
 Result<void> CellSampler::check_joint(const Cell& cell, const Sampler::Place& begin) const {
     constexpr double slack = 1e-6;  // mm, rad
@@ -372,9 +399,9 @@ Result<void> CellSampler::check_joint(const Cell& cell, const Sampler::Place& be
     return {};
 }
 
-Result<void> CellSampler::sample(const Cell& cell, std::deque<Interval>& out) {
+Result<void> CellSampler::sample(const Cell& cell, std::deque<SampledCell>& out) {
     const bool goes_on = any_ && last_place_.piece == cell.begin.piece && last_block_ == cell.block;
-    const Sampler::Place begin = goes_on ? last_ : at(cell, 0), end = at(cell, cell.length_mm);
+    const Sampler::Place begin = goes_on ? last_ : at(sampler_, cell, 0), end = at(sampler_, cell, cell.length_mm);
     if (!goes_on)
         if (auto joined = check_joint(cell, begin); !joined) return joined;
     last_ = end;
@@ -385,31 +412,17 @@ Result<void> CellSampler::sample(const Cell& cell, std::deque<Interval>& out) {
 }
 
 Result<void> CellSampler::sample(const Cell& cell, const Sampler::Place& begin, const Sampler::Place& end, int halvings,
-                                 std::deque<Interval>& out) {
+                                 std::deque<SampledCell>& out) {
     const double half = cell.length_mm / 2;
-    const Sampler::Place middle = at(cell, half);
-    const std::array<const Sampler::Place*, samples_per_interval> places{&begin, &middle, &end};
-    if (!std::ranges::all_of(places, [](const Sampler::Place* place) { return is_finite(place->sample); }))
-        return fail(at_cell(sampler_.path(), cell, "FEED0002", "the path has no finite derivatives here"));
-    const bool arc = cell.from_rest || cell.to_rest;
-    if (!arc && halvings < most_halvings && !is_told(cell, begin.sample, middle.sample, end.sample)) {
+    const Sampler::Place middle = at(sampler_, cell, half);
+    auto interval = interval_of(sampler_, cell, begin, middle, end);
+    if (!interval) return fail(interval.error());
+    if (!cell.from_rest && !cell.to_rest && halvings < most_halvings &&
+        !is_told(cell, begin.sample, middle.sample, end.sample, sampler_.limits())) {
         if (auto first = sample(part_of(cell, 0, half), begin, middle, halvings + 1, out); !first) return first;
         return sample(part_of(cell, half, cell.length_mm - half), middle, end, halvings + 1, out);
     }
-    Interval& interval = out.emplace_back();
-    interval.begin = cell.begin;
-    interval.length_mm = cell.length_mm;
-    std::array<double, samples_per_interval> chord{};
-    for (int i = 0; i < samples_per_interval; ++i) {
-        interval.samples[i] = places[i]->sample;
-        chord[i] = places[i]->chord_rate;
-    }
-    if (sampler_.has_chord_error()) add_chord(chord, interval);
-    for (const double u : arc ? arc_places(cell.length_mm) : std::vector<double>{}) {
-        Sampler::Place place = at(cell, cell.from_rest ? u : cell.length_mm - u);
-        place.sample.q1[programmed_feed] = std::max(place.sample.q1[programmed_feed], place.chord_rate);
-        interval.arc.push_back({u, place.sample});
-    }
+    out.push_back({cell, std::move(*interval)});
     return {};
 }
 

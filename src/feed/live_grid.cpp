@@ -98,9 +98,17 @@ class Walk {
 
 }  // namespace
 
-LiveGrid::LiveGrid(const path::AxisPath& path, const LimitSet& limits)
-    : path_(path), limits_(limits), cells_(make_grid(path, limits)) {
+Result<void> LiveGrid::lay() {
+    Grid grid(sampler_);
+    CellSampler cells(sampler_);
+    std::deque<SampledCell> sampled;
+    while (std::optional<Cell> cell = grid.next()) {
+        sampled.clear();
+        if (auto done = cells.sample(*cell, sampled); !done) return done;
+        for (const SampledCell& part : sampled) cells_.push_back(part.cell);
+    }
     for (Cell& cell : cells_) cell.from_rest = cell.to_rest = false;
+    return {};
 }
 
 PathPlace LiveGrid::end_of(std::size_t k) const {
@@ -116,11 +124,11 @@ bool LiveGrid::is_end(PathPlace place) const {
 }
 
 double LiveGrid::distance_mm(PathPlace place) const {
-    return path_.tool_path().pieces[place.piece].begin_mm + place.offset_mm;
+    return sampler_.path().tool_path().pieces[place.piece].begin_mm + place.offset_mm;
 }
 
 PathPlace LiveGrid::place_at(double p_mm) const {
-    const auto& pieces = path_.tool_path().pieces;
+    const auto& pieces = sampler_.path().tool_path().pieces;
     const auto next = std::upper_bound(pieces.begin() + 1, pieces.end(), p_mm,
                                        [](double p, const path::PathPiece& piece) { return p < piece.begin_mm; });
     const std::size_t piece = static_cast<std::size_t>(next - pieces.begin()) - 1;
@@ -158,15 +166,13 @@ std::vector<Cell> LiveGrid::clipped(const Course& course) const {
 double LiveGrid::arc_length(const Cell& cell, bool start, double largest_mm) const {
     const RestSide side = start ? RestSide::start : RestSide::stop;
     const auto at = [&](double u) {
-        Cell probe = cell;
-        probe.begin.offset_mm = start ? cell.begin.offset_mm : end_mm(cell) - u;
-        probe.length_mm = u;
-        const auto sampled = sample_cell(path_, probe);
-        return sampled ? (start ? sampled->samples.back() : sampled->samples.front()) : PathSample{};
+        const double offset = start ? cell.begin.offset_mm + u : end_mm(cell) - u;
+        return sampler_.at({cell.begin.piece, offset}, cell.block).sample;
     };
-    const double alpha = rest_alpha(at(0), limits_);
+    const double alpha = rest_alpha(at(0), sampler_.limits());
     double length = std::min(arc_share_of_cell * cell.length_mm, largest_mm);
-    for (int k = 0; k < most_arc_steps && !is_jerk_phase(at(length), length, side, limits_, alpha); ++k) length *= 0.7;
+    for (int k = 0; k < most_arc_steps && !is_jerk_phase(at(length), length, side, sampler_.limits(), alpha); ++k)
+        length *= 0.7;
     return length;
 }
 

@@ -11,49 +11,56 @@ constexpr double look_cells = 64, look_margin = 1.3;
 constexpr int most_looks = 5;
 constexpr std::size_t most_departures = 32;
 
-LimitSet limits_of(const path::AxisPath& path, const FeedOptions& options, double kept_back) {
-    LimitSet out;
-    out.count = path.axis_count();
-    for (int a = 0; a < out.count; ++a) {
-        const machine::Axis& axis = path.machine().axes[a];
-        out.axes[a] = path.tool_path().rapid ? axis.rapid : axis.feed;
-        out.axes[a].velocity *= options.factors[a].velocity * kept_back;
-        out.axes[a].acceleration *= options.factors[a].acceleration * kept_back;
-        out.axes[a].jerk *= options.factors[a].jerk * (1 - options.jerk_margin);
+LimitSet kept_back_from(LimitSet limits, double share) {
+    for (machine::AxisLimits& limit : limits.of) {
+        limit.velocity *= share;
+        limit.acceleration *= share;
     }
-    return out;
+    return limits;
 }
 
-/// Largest x that the velocity limits allow.
-double velocity_cap(const PathSample& s, const LimitSet& limits) {
-    double inverse = 0;
-    for (int a = 0; a < limits.count; ++a) inverse = std::max(inverse, std::abs(s.q1[a]) / limits.axes[a].velocity);
-    return 1 / (inverse * inverse);
+/// The largest of the velocities' rates q′/V at the samples.
+double fastest_rate(const Interval& interval, const LimitSet& limits) {
+    double out = 0;
+    for (const PathSample& s : interval.samples)
+        for (int c = 0; c < programmed_feed; ++c) out = std::max(out, std::abs(s.q1[c]) / limits.of[c].velocity);
+    return out;
 }
 
 }  // namespace
 
 LivePlanner::State::State(const path::AxisPath& path, const FeedOptions& options, double period_s)
     : path_(path),
-      limits_(limits_of(path, options, kept_back)),
+      sampler_(path, options),
+      limits_(kept_back_from(sampler_.limits(), kept_back)),
       calm_(options.calm),
       period_s_(period_s),
       base_(std::max(options.window, smallest_window)),
       window_(base_),
-      grid_(path, limits_) {}
+      grid_(sampler_) {}
 
-/// The one place where an override meets the samples: it scales the programmed feed, on a rapid the velocity limits.
-void LivePlanner::State::apply_override(double factor, PathSample& sample) const {
-    const double cap =
-        path_.tool_path().rapid ? velocity_cap(sample, limits_) : kept_back * kept_back * sample.feed_cap;
-    sample.feed_cap = factor * factor * cap;
+/// The one place where an override meets the samples: it scales the programmed feed, on a rapid the velocity limits. A
+/// chord error is not scaled.
+void LivePlanner::State::apply_override(double factor, Interval& interval) const {
+    const auto scale = [factor](PathSample& s) {
+        for (double* rate : {&s.q1[programmed_feed], &s.q2[programmed_feed], &s.q3[programmed_feed]}) *rate /= factor;
+    };
+    const auto hold_to = [](double rate, PathSample& s) {
+        s.q1[programmed_feed] = rate;
+        s.q2[programmed_feed] = s.q3[programmed_feed] = 0;
+    };
+    const double rapid_rate = path_.tool_path().rapid && factor < 1 ? fastest_rate(interval, limits_) / factor : 0;
+    const auto apply = [&](PathSample& s) {
+        if (rapid_rate > 0) return hold_to(rapid_rate, s);
+        if (!interval.chord || factor < 1) scale(s);
+    };
+    for (PathSample& s : interval.samples) apply(s);
+    for (ArcSample& at : interval.arc) apply(at.sample);
 }
 
 Result<Interval> LivePlanner::State::sample(const Cell& cell, double factor) const {
-    auto out = sample_cell(path_, cell);
-    if (!out) return out;
-    for (PathSample& at : out->samples) apply_override(factor, at);
-    for (NearRest& near : out->near_rest) apply_override(factor, near.sample);
+    auto out = sample_cell(sampler_, cell);
+    if (out) apply_override(factor, *out);
     return out;
 }
 
@@ -63,11 +70,11 @@ Result<LivePlanner::State::Look> LivePlanner::State::look_ahead(const Branch& br
     const auto first = survey(branch, factor, same_place_mm);
     if (!first) return fail(first.error());
     double acceleration = std::numeric_limits<double>::max(), jerk = acceleration;
-    for (int a = 0; a < limits_.count; ++a) {
-        const double q = std::abs(first->front().samples.front().q1[a]);
+    for (int c = 0; c < coordinates; ++c) {
+        const double q = std::abs(first->front().samples.front().q1[c]);
         if (q == 0) continue;
-        acceleration = std::min(acceleration, limits_.axes[a].acceleration / q);
-        jerk = std::min(jerk, limits_.axes[a].jerk / q);
+        acceleration = std::min(acceleration, limits_.of[c].acceleration / q);
+        jerk = std::min(jerk, limits_.of[c].jerk / q);
     }
     out.path_jerk_mm_s3 = jerk;
     out.stop_mm = stopping_distance_mm(std::sqrt(branch.start.x), branch.start.d / 2, acceleration, jerk);

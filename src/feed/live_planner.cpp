@@ -120,7 +120,9 @@ Result<LivePlanner> LivePlanner::make(const path::AxisPath& path, const FeedOpti
     if (!(period_s > 0 && std::isfinite(period_s)))
         return fail(problem("FEED0011", "the control's period must be positive", period_s, "0 s"));
     if (const auto stream = IntervalStream::make(path, options); !stream) return fail(stream.error());
-    return LivePlanner(std::make_unique<State>(path, options, period_s));
+    auto state = std::make_unique<State>(path, options, period_s);
+    if (auto ready = state->prepare(); !ready) return fail(ready.error());
+    return LivePlanner(std::move(state));
 }
 
 Result<void> LivePlanner::set_feed_override(double factor) {

@@ -140,18 +140,14 @@ void LivePlanner::State::make_guess(const Branch& branch, const Guess& guess, st
 
 /// Limits and caps a trifle above what plans are made for, as far as the state of the plan in hand needs it: a plan is
 /// checked between samples and may stand there a little above what a solve would take as its start.
-LimitSet LivePlanner::State::room_for(MovingStart start, std::span<Interval> intervals) const {
-    const PathSample& here = intervals.front().samples.front();
+LimitSet LivePlanner::State::room_for(MovingStart start, const PathSample& here) const {
     const auto room = [](double ratio) { return std::clamp(ratio * (1 + start_room), 1.0, 1 / kept_back); };
     LimitSet out = limits_;
-    for (int a = 0; a < out.count; ++a) {
-        machine::AxisLimits& limit = out.axes[a];
-        limit.velocity *= room(std::abs(here.q1[a]) * std::sqrt(start.x) / limit.velocity);
-        limit.acceleration *= room(std::abs(here.q2[a] * start.x + here.q1[a] * start.d / 2) / limit.acceleration);
+    for (int c = 0; c < coordinates; ++c) {
+        machine::AxisLimits& limit = out.of[c];
+        limit.velocity *= room(std::abs(here.q1[c]) * std::sqrt(start.x) / limit.velocity);
+        limit.acceleration *= room(std::abs(here.q2[c] * start.x + here.q1[c] * start.d / 2) / limit.acceleration);
     }
-    const double more = square(room(std::sqrt(start.x / here.feed_cap)));
-    for (Interval& interval : intervals)
-        for (PathSample& sample : interval.samples) sample.feed_cap *= more;
     return out;
 }
 
@@ -171,9 +167,10 @@ Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) 
         intervals.push_back(std::move(*sampled));
     }
     make_guess(branch, trial.guess, cells);
-    const LimitSet limits = branch.at_rest ? limits_ : room_for(branch.start, intervals);
+    const LimitSet limits = branch.at_rest ? limits_ : room_for(branch.start, intervals.front().samples.front());
     Tightening ahead;
-    if (trial.stop_mm > 0) ahead.jerk.fill(command_tightening);
+    if (trial.stop_mm > 0)
+        for (Tightening::OfSamples& factors : ahead.jerk) factors.fill(command_tightening);
     std::vector<Tightening> tightening(cells.size(), ahead);
     WindowProblem window;
     window.intervals = intervals;

@@ -146,7 +146,7 @@ class IntervalStream::State {
             if (!cell) return false;
             if (auto sampled = cells_.sample(*cell, ready_); !sampled) return fail(sampled.error());
         }
-        interval = std::move(ready_.front());
+        interval = std::move(ready_.front().interval);
         ready_.pop_front();
         return true;
     }
@@ -155,7 +155,7 @@ class IntervalStream::State {
     Sampler sampler_;
     Grid grid_;
     CellSampler cells_;
-    std::deque<Interval> ready_;
+    std::deque<SampledCell> ready_;
 };
 
 IntervalStream::IntervalStream(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -104,11 +104,6 @@ void average(Knots& k) {
     k.y = std::move(smooth);
 }
 
-double middle_of(const motion::ProfilePiece& piece) {
-    const double speed = motion::state_at(piece, piece.length_mm / 2).speed_mm_s;
-    return speed * speed;
-}
-
 /// x and x′ at the knots from one Bézier mid value per interval: a C¹ quadratic spline.
 void spline_through(const std::vector<double>& middle, const CoreProblem& core, Trajectory& out) {
     const std::size_t n = middle.size();
@@ -137,7 +132,7 @@ void make_start_profile(const WindowProblem& window, const CoreProblem& core, Tr
     std::vector<double> middle(n);
     for (std::size_t k = 0; k < n; ++k) {
         middle[k] = std::max((power_4_3(knots.y[k + first]) + power_4_3(knots.y[k + first + 1])) / 2, smallest);
-        if (k + 1 < window.in_hand.size()) middle[k] = std::max(middle[k], middle_of(window.in_hand[k]));
+        if (k + first < window.known_middle.size()) middle[k] = std::max(middle[k], window.known_middle[k + first]);
     }
     out.resize(n);
     if (!window.from_rest) {

@@ -117,7 +117,8 @@ WindowPlan WindowSolver::improve(const WindowProblem& window) {
         plan.pieces = pieces_of(window, solver_->trajectory());
         plan.safe = examine(window, plan.pieces, peaks_).safe();
         if (plan.safe || !report.converged || plan.rounds >= max_rounds) return plan;
-        if (!tighten_all(window, peaks_, 1 + std::min(std::ldexp(first_reserve, plan.rounds), most_reserve))) return plan;
+        if (!tighten_all(window, peaks_, 1 + std::min(std::ldexp(first_reserve, plan.rounds), most_reserve)))
+            return plan;
         patience = warm_iterations;
         solver_->retighten(core_of(window));
     }
@@ -136,7 +137,7 @@ WindowPlan WindowSolver::solve(const WindowProblem& window) {
     const Verdict verdict = examine(window, plan.pieces, peaks_);
     if (verdict.positive) slow_down(plan.pieces, verdict.lambda);
     if (!verdict.positive || duration(slow) < duration(plan.pieces)) plan.pieces = std::move(slow);
-    plan.safe = examine(window, plan.pieces, peaks_).positive;
+    plan.safe = examine(window, plan.pieces, peaks_).safe();
     return plan;
 }
 

@@ -84,19 +84,26 @@ class Grid {
     Cell start_arc_, stop_arc_;
 };
 
-/// Evaluates the path in cells, in order, and halves those that three samples do not tell enough of: in which a quintic
-/// through the ends is farther from the middle than a bound of the loads may err.
+/// A cell and its samples.
+struct SampledCell {
+    Cell cell;
+    Interval interval;
+};
+
+/// Evaluates the path in a cell. Errors: FEED0002.
+Result<Interval> sample_cell(const Sampler& sampler, const Cell& cell);
+
+/// The same for cells in order; halves those that three samples do not tell enough of: in which a quintic through the
+/// ends is farther from the middle than a bound of the loads may err.
 class CellSampler {
   public:
     explicit CellSampler(const Sampler& sampler) : sampler_(sampler) {}
-    /// Appends the intervals of a cell. Errors: FEED0002, FEED0009 the path jumps in position before it.
-    Result<void> sample(const Cell& cell, std::deque<Interval>& out);
+    /// Appends what a cell became. Errors: FEED0002, FEED0009 the path jumps in position before it.
+    Result<void> sample(const Cell& cell, std::deque<SampledCell>& out);
 
   private:
     Result<void> sample(const Cell& cell, const Sampler::Place& begin, const Sampler::Place& end, int halvings,
-                        std::deque<Interval>& out);
-    Sampler::Place at(const Cell& cell, double way_mm) const;
-    bool is_told(const Cell& cell, const PathSample& begin, const PathSample& middle, const PathSample& end) const;
+                        std::deque<SampledCell>& out);
     Result<void> check_joint(const Cell& cell, const Sampler::Place& begin) const;
 
     const Sampler& sampler_;

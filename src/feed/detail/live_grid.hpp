@@ -35,7 +35,9 @@ struct Course {
 
 class LiveGrid {
   public:
-    LiveGrid(const path::AxisPath& path, const LimitSet& limits);
+    explicit LiveGrid(const Sampler& sampler) : sampler_(sampler) {}
+    /// Lays the cells of the whole stretch. Errors: FEED0002, FEED0009.
+    Result<void> lay();
 
     std::size_t size() const { return cells_.size(); }
     const Cell& operator[](std::size_t k) const { return cells_[k]; }
@@ -60,8 +62,7 @@ class LiveGrid {
     std::vector<Cell> clipped(const Course& course) const;
     double arc_length(const Cell& cell, bool start, double largest_mm) const;
 
-    const path::AxisPath& path_;
-    const LimitSet& limits_;
+    const Sampler& sampler_;
     std::vector<Cell> cells_;
 };
 

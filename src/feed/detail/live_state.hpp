@@ -20,6 +20,7 @@ class LivePlanner::State {
   public:
     State(const path::AxisPath& path, const FeedOptions& options, double period_s);
 
+    Result<void> prepare() { return grid_.lay(); }
     void set_override(bool rapid, double factor) {
         if (rapid == path_.tool_path().rapid) override_ = factor;
     }
@@ -109,7 +110,7 @@ class LivePlanner::State {
     MovingStart state_in_hand(double p_mm) const;
     const Step* step_over(double p_mm) const;
 
-    void apply_override(double factor, PathSample& sample) const;
+    void apply_override(double factor, Interval& interval) const;
     Result<Interval> sample(const Cell& cell, double factor) const;
     Result<Look> look_ahead(const Branch& branch, double factor) const;
     Result<std::vector<Interval>> survey(const Branch& branch, double factor, double reach_mm) const;
@@ -119,11 +120,12 @@ class LivePlanner::State {
     Course course(const Branch& branch, const Trial& trial) const;
     Result<bool> plan(const Branch& branch, const Trial& trial);
     void make_guess(const Branch& branch, const Guess& guess, std::span<const Cell> cells);
-    LimitSet room_for(MovingStart start, std::span<Interval> intervals) const;
+    LimitSet room_for(MovingStart start, const PathSample& here) const;
     void adopt(const Branch& branch, std::vector<Step> steps);
     std::size_t commit_count(std::size_t first) const;
 
     const path::AxisPath& path_;
+    Sampler sampler_;
     LimitSet limits_;
     double calm_, period_s_;
     std::size_t base_, window_;

@@ -2,8 +2,6 @@
 
 #include <limits>
 
-#include "trunnion/motion/feed_profile.hpp"
-
 #include "detail/interior_point.hpp"
 
 namespace trunnion::feed {
@@ -18,7 +16,7 @@ struct WindowProblem {
     bool from_rest = true;
     double x0 = 0, d0 = 0;                                  ///< when not from_rest
     int most_iterations = std::numeric_limits<int>::max();  ///< budget of the solver, all rounds together
-    std::span<const motion::ProfilePiece> in_hand;  ///< when not from_rest: the plan in hand, over the first intervals
+    std::span<const double> known_middle;  ///< of the plan in hand: x at the middles of the first intervals
     std::size_t first_core() const { return from_rest ? 1 : 0; }
     std::size_t core_count() const { return intervals.size() - 1 - first_core(); }
 };

@@ -41,7 +41,7 @@ struct LiveState {
 class LivePlanner {
   public:
     /// Stands at the begin of the stretch with overrides 1, no hold, no single block: the first tick() begins to move.
-    /// The path must outlive it. Errors: FEED0001, FEED0005 as plan_stretch, FEED0011 the period is not positive.
+    /// The path must outlive it. Errors: those of IntervalStream, FEED0011 the period is not positive.
     static Result<LivePlanner> make(const path::AxisPath& path, const FeedOptions& options, double period_s);
     ~LivePlanner();
     LivePlanner(LivePlanner&&) noexcept;
