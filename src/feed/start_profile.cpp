@@ -104,7 +104,8 @@ void average(Knots& k) {
     k.y = std::move(smooth);
 }
 
-/// x and x′ at the knots from one Bézier mid value per interval: a C¹ quadratic spline.
+/// x and x′ at the knots from one Bézier mid value per interval: a C¹ quadratic spline, but for a first interval that
+/// the state at its begin bends to a cubic.
 void spline_through(const std::vector<double>& middle, const CoreProblem& core, Trajectory& out) {
     const std::size_t n = middle.size();
     const auto h = [&](std::size_t k) { return core.intervals[k].length_mm; };
@@ -118,7 +119,11 @@ void spline_through(const std::vector<double>& middle, const CoreProblem& core, 
     }
     out.x[n] = middle[n - 1] / (1 + core.stop.kappa * h(n - 1) / 2);
     out.d[n] = -core.stop.kappa * out.x[n];
-    for (std::size_t k = 0; k < n; ++k) out.e0[k] = out.e1[k] = (out.d[k + 1] - out.d[k]) / h(k);
+    for (std::size_t k = 0; k < n; ++k) {
+        const double rise = 6 * (out.x[k + 1] - out.x[k]) / (h(k) * h(k));
+        out.e0[k] = rise - (4 * out.d[k] + 2 * out.d[k + 1]) / h(k);
+        out.e1[k] = (2 * out.d[k] + 4 * out.d[k + 1]) / h(k) - rise;
+    }
 }
 
 }  // namespace
