@@ -14,6 +14,8 @@ using motion::ProfilePiece;
 
 constexpr double known_well = 1e-4;  // of a limit, between a bound and what is certainly reached
 constexpr int deepest_halving = 7;
+// A tightened row lets the peak move: a little more than the excess is taken off, but no step that makes another peak.
+constexpr double more = 1.3, reserve = 2e-4;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 Speed speed_on(const ProfilePiece& piece, double begin, double length) {
@@ -40,10 +42,8 @@ Bernstein<double, 6> inverse_room(const Bernstein<double, 3>& x) {
     return out;
 }
 
-using AllInverseLimits = std::array<GroupLoads, coordinate_groups>;
-
-AllInverseLimits inverse_of(const LimitSet& limits) {
-    AllInverseLimits out;
+InverseLimits inverse_of(const LimitSet& limits) {
+    InverseLimits out;
     for (int c = 0; c < coordinates; ++c) {
         GroupLoads& group = out[c / group_size];
         group.velocity[c % group_size] = 1 / limits.of[c].velocity;
@@ -112,7 +112,7 @@ std::array<double, n> coordinate_of(const std::array<Group, n>& f, int c, double
     return out;
 }
 
-void bound_half(const Half& half, const AllInverseLimits& inverse, const Interest& interest,
+void bound_half(const Half& half, const InverseLimits& inverse, const Interest& interest,
                 std::array<Peaks::OfCoordinate, coordinates>& out) {
     static const BoundLoads bound_loads = bound_loads_here();
     GroupPolynomials loads;
@@ -167,19 +167,20 @@ double Peaks::worst() const {
     return std::max({each.velocity, each.acceleration, each.jerk});
 }
 
-Peaks peaks_of(const Interval& interval, const ProfilePiece& piece, const LimitSet& limits, const Interest& interest) {
+LoadCheck::LoadCheck(const LimitSet& limits) : limits_(&limits), inverse_(inverse_of(limits)) {}
+
+Peaks LoadCheck::peaks(const Interval& interval, const ProfilePiece& piece, const Interest& interest) const {
     Peaks out;
     if (piece.kind != ProfilePiece::Kind::cubic) {
         const RestSide side = piece.kind == ProfilePiece::Kind::rest_start ? RestSide::start : RestSide::stop;
-        out.half[0] = arc_loads(interval, side, limits, arc_alpha(piece.jerk_mm_s3));
+        out.half[0] = arc_loads(interval, side, *limits_, arc_alpha(piece.jerk_mm_s3));
         return out;
     }
-    const AllInverseLimits inverse = inverse_of(limits);
     const double h = piece.length_mm / 2;
     for (int k = 0; k < 2; ++k) {
         const Speed speed = speed_on(piece, k * h, h);
         const Half half{interval.samples[k], interval.samples[k + 1], h, speed, inverse_room(speed.x)};
-        bound_half(half, inverse, interest, out.half[k]);
+        bound_half(half, inverse_, interest, out.half[k]);
     }
     return out;
 }
@@ -198,13 +199,13 @@ bool is_positive(const ProfilePiece& piece) {
     return !(at > 0 && at < h) || speed_on(piece, at, 0).x[0] > 0;
 }
 
-bool tighten(const Peaks& peaks, double trigger, double reserve, Tightening& tightening) {
+bool tighten(const Peaks& peaks, double trigger, Tightening& tightening) {
     Tightening::OfSamples none{1, 1, 1};
     bool changed = false;
     const auto raise = [&](int half, double ratio, double power, Tightening::OfSamples& factors,
                            Tightening::OfSamples& raised) {
         if (!(ratio > trigger)) return;
-        const double factor = reserve * std::pow(ratio, power);
+        const double factor = std::pow(1 + more * (ratio - 1) + reserve, power);
         for (const int sample : {half, half + 1}) raised[sample] = std::max(raised[sample], factor * factors[sample]);
         changed = true;
     };

@@ -291,6 +291,7 @@ std::optional<Cell> Grid::next() {
 namespace {
 
 constexpr double told_to = 2e-4;  // of a limit
+constexpr double steepest = 3.43;
 constexpr int most_halvings = 5;
 
 Diagnostic at_cell(const path::AxisPath& path, const Cell& cell, std::string code, std::string text) {
@@ -335,8 +336,8 @@ Sampler::Place at(const Sampler& sampler, const Cell& cell, double way_mm) {
     return sampler.at({cell.begin.piece, cell.begin.offset_mm + way_mm}, cell.block);
 }
 
-/// The error of a quintic is largest in its middle; that of one over half the way is 2⁻⁶ of it, 2⁻⁵ in the first
-/// derivative and 2⁻⁴ in the second.
+/// The error of a quintic, e s³(1 − s)³, is largest in its middle, that of its slope beside it (3.43 e/h); those of one
+/// over half the way are 2⁻⁶ of it, 2⁻⁵ in the first derivative and 2⁻⁴ in the second.
 bool is_told(const Cell& cell, const PathSample& begin, const PathSample& middle, const PathSample& end,
              const LimitSet& limits) {
     const double h = cell.length_mm;
@@ -345,7 +346,8 @@ bool is_told(const Cell& cell, const PathSample& begin, const PathSample& middle
         const auto f = quintic(begin.q1[c], begin.q2[c], begin.q3[c], end.q1[c], end.q2[c], end.q3[c], h);
         const auto d1 = derivative(f, h);
         const auto d2 = derivative(d1, h);
-        const double e1 = std::abs(middle_of(f) - middle.q1[c]) / 64, e2 = std::abs(middle_of(d1) - middle.q2[c]) / 32,
+        const double error = std::abs(middle_of(f) - middle.q1[c]), slope = std::abs(middle_of(d1) - middle.q2[c]);
+        const double e1 = error / 64, e2 = std::max(slope, steepest * error / h) / 32,
                      e3 = std::abs(middle_of(d2) - middle.q3[c]) / 16;
         const machine::AxisLimits& limit = limits.of[c];
         const double root = std::sqrt(extent.x);

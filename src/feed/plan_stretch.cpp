@@ -175,6 +175,7 @@ class StretchPlanner::State {
   public:
     State(const path::AxisPath& path, const FeedOptions& options)
         : limits_(limits_of(path, options)),
+          check_(limits_),
           axes_(path.axis_count()),
           jerk_share_(1 - options.jerk_margin),
           planner_(limits_, {.calm = options.calm, .window = options.window, .budget = options.budget},
@@ -188,6 +189,7 @@ class StretchPlanner::State {
     Interest interest() const;
 
     LimitSet limits_;
+    LoadCheck check_;
     int axes_;
     double jerk_share_;
     StretchPlan out_;
@@ -206,7 +208,7 @@ Interest StretchPlanner::State::interest() const {
 }
 
 void StretchPlanner::State::take(const Interval& interval, const motion::ProfilePiece& piece) {
-    const Peaks peaks = peaks_of(interval, piece, limits_, interest());
+    const Peaks peaks = check_.peaks(interval, piece, interest());
     out_.profile.pieces.push_back(piece);
     out_.causes.push_back(cause_of(peaks, interval.chord));
     for (int a = 0; a < axes_; ++a) {

@@ -13,8 +13,6 @@ using motion::ProfilePiece;
 constexpr int max_iterations = 60, warm_iterations = 40, max_rounds = 12;
 constexpr double gap = 3e-4;
 constexpr double tightening_trigger = 1.0002;
-constexpr double most_reserve = 3e-3;
-constexpr double first_reserve = 2e-4;  // doubled from round to round, so that the last few intervals settle
 
 ProfilePiece arc_piece(const Interval& interval, RestSide side, double joint_x) {
     ProfilePiece piece;
@@ -39,10 +37,11 @@ struct Verdict {
 
 Verdict examine(const WindowProblem& window, std::span<const ProfilePiece> pieces, std::vector<Peaks>& peaks) {
     static const Interest interest = interest_from(tightening_trigger);
+    const LoadCheck check(*window.limits);
     Verdict out;
     peaks.resize(pieces.size());
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-        peaks[k] = peaks_of(window.intervals[k], pieces[k], *window.limits, interest);
+        peaks[k] = check.peaks(window.intervals[k], pieces[k], interest);
         out.worst = std::max(out.worst, peaks[k].worst());
         out.lambda = std::min(out.lambda, lambda_for(peaks[k]));
         out.positive = out.positive && is_positive(pieces[k]);
@@ -51,11 +50,29 @@ Verdict examine(const WindowProblem& window, std::span<const ProfilePiece> piece
     return out;
 }
 
-bool tighten_all(const WindowProblem& window, std::span<const Peaks> peaks, double reserve) {
+bool tighten_all(const WindowProblem& window, std::span<const Peaks> peaks) {
     bool changed = false;
     for (std::size_t k = 0; k < peaks.size(); ++k)
-        changed |= tighten(peaks[k], tightening_trigger, reserve, window.tightening[k]);
+        changed |= tighten(peaks[k], tightening_trigger, window.tightening[k]);
     return changed;
+}
+
+void forget_tightening(const WindowProblem& window) {
+    for (Tightening& tightening : window.tightening) {
+        Tightening none;
+        none.needed = tightening.needed;
+        tightening = none;
+    }
+}
+
+void screen_rows(const WindowProblem& window) {
+    for (std::size_t k = 0; k < window.intervals.size(); ++k) {
+        auto& needed = window.tightening[k].needed;
+        if (needed) continue;
+        needed.emplace();
+        for (int i = 0; i < samples_per_interval; ++i)
+            (*needed)[i] = needed_rows(window.intervals[k].samples[i], *window.limits);
+    }
 }
 
 double duration(std::span<const ProfilePiece> pieces) {
@@ -109,7 +126,7 @@ WindowPlan WindowSolver::improve(const WindowProblem& window) {
         plan.fallback = !report.converged;
         if (!report.converged && plan.rounds > 0 && !anew && plan.iterations < window.most_iterations) {
             anew = true;
-            std::ranges::fill(window.tightening, Tightening{});
+            forget_tightening(window);
             patience = max_iterations;
             solver_->begin(core_of(window), start_);
             continue;
@@ -117,14 +134,14 @@ WindowPlan WindowSolver::improve(const WindowProblem& window) {
         plan.pieces = pieces_of(window, solver_->trajectory());
         plan.safe = examine(window, plan.pieces, peaks_).safe();
         if (plan.safe || !report.converged || plan.rounds >= max_rounds) return plan;
-        if (!tighten_all(window, peaks_, 1 + std::min(std::ldexp(first_reserve, plan.rounds), most_reserve)))
-            return plan;
+        if (!tighten_all(window, peaks_)) return plan;
         patience = warm_iterations;
         solver_->retighten(core_of(window));
     }
 }
 
 WindowPlan WindowSolver::solve(const WindowProblem& window) {
+    screen_rows(window);
     const CoreProblem core = core_of(window);
     make_start_profile(window, core, start_);
     WindowPlan plan = improve(window);

@@ -5,6 +5,7 @@
 #include "trunnion/motion/feed_profile.hpp"
 
 #include "detail/interior_point.hpp"
+#include "detail/loads.hpp"
 
 namespace trunnion::feed {
 
@@ -31,14 +32,22 @@ Interest interest_from(double ratio);
 ///     jerk          q‴x + 3/2 q″x′ + ½q′x″               (degree 6) against J x^(−½),
 ///     velocity      q′                                   against V x^(−½),
 /// where x^(−½) is replaced by its tangent in x, which lies below it. Cost 0.2 µs, more where a load is near its limit.
-Peaks peaks_of(const Interval& interval, const motion::ProfilePiece& piece, const LimitSet& limits,
-               const Interest& interest);
+class LoadCheck {
+  public:
+    /// The limits must outlive it.
+    explicit LoadCheck(const LimitSet& limits);
+    Peaks peaks(const Interval& interval, const motion::ProfilePiece& piece, const Interest& interest) const;
+
+  private:
+    const LimitSet* limits_;
+    InverseLimits inverse_;
+};
 
 /// x > 0 on all of the piece (its inside, for arcs): certified by Bézier values, or by the extrema themselves.
 bool is_positive(const motion::ProfilePiece& piece);
 
-/// Raises the tightening of the samples beside a peak above `trigger`, to `reserve` below the limit; whether it did.
-bool tighten(const Peaks& peaks, double trigger, double reserve, Tightening& tightening);
+/// Raises the tightening of the samples beside a peak above `trigger`; whether it did.
+bool tighten(const Peaks& peaks, double trigger, Tightening& tightening);
 
 /// x → λx: scales velocities by √λ, accelerations by λ, jerks by λ^(3/2).
 void slow_down(std::span<motion::ProfilePiece> pieces, double lambda);

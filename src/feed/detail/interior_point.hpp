@@ -3,10 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "trunnion/feed/feed_planner.hpp"
+
+#include "detail/screening.hpp"
 
 namespace trunnion::feed {
 
@@ -15,6 +18,8 @@ struct Tightening {
     using OfSamples = std::array<double, samples_per_interval>;
     std::array<OfSamples, coordinates> acceleration, jerk;
     OfSamples speed{1, 1, 1};  ///< on x/cap
+    /// Which rows must stand at the samples at all. Found once an interval, by the first window that sees it.
+    std::optional<std::array<NeededRows, samples_per_interval>> needed;
     Tightening() {
         acceleration.fill({1, 1, 1});
         jerk.fill({1, 1, 1});
@@ -37,7 +42,7 @@ struct ArcJoint {
 /// What one solve works on: the intervals between the arcs.
 struct CoreProblem {
     std::span<const Interval> intervals;     ///< at least 1
-    std::span<const Tightening> tightening;  ///< as many
+    std::span<const Tightening> tightening;  ///< as many, with their needed rows
     const LimitSet* limits = nullptr;
     double calm = 0;
     std::size_t far_from =

@@ -34,6 +34,9 @@ struct GroupLoads {
     Group velocity, acceleration, jerk;
 };
 
+/// 1 / limit of all coordinates.
+using InverseLimits = std::array<GroupLoads, coordinate_groups>;
+
 /// The polynomials of a group of coordinates, and hull bounds of load / limit.
 using BoundLoads = void (*)(const Half& half, int group, const GroupLoads& inverse_limits, GroupPolynomials& loads,
                             GroupLoads& bounds);

@@ -63,6 +63,13 @@ inline unsigned tightened(const std::array<Tightening::OfSamples, coordinates>& 
     return out;
 }
 
+/// Coordinates that move at a place.
+inline unsigned moving(const PathSample& sample) {
+    unsigned out = 0;
+    for (int c = 0; c < programmed_feed; ++c) out |= sample.q1[c] != 0 ? 1u << c : 0;
+    return out;
+}
+
 inline void reset(Bound& bound, Pack c, double floor, double mu) {
     bound.t = max(c, floor);
     bound.z = mu / bound.t;
@@ -151,7 +158,6 @@ class Solver final : public InteriorPoint {
     };
 
     void scale_rows();
-    void screen_rows();
     void choose_rows();
     void build_rows();
     void fill_lane(std::size_t block, int lane);
@@ -181,7 +187,6 @@ class Solver final : public InteriorPoint {
     double rows_ = 0, mu_ = 0;
     double primal_ = 0, dual_ = 0;  // sizes of the step not yet applied to t and z
     double time_ = 0;
-    std::vector<NeededRows> needed_;  // of every sample
     std::vector<Block> blocks_data_;
     RowList<JerkRow> jerk_, old_jerk_;
     RowList<AccelerationRow> acceleration_, old_acceleration_;
@@ -222,7 +227,6 @@ inline void Solver::begin(const CoreProblem& problem, const Trajectory& guess) {
     gain_.resize(count_);
     blocks_data_.resize(blocks_);
     scale_rows();
-    screen_rows();
     choose_rows();
     build_rows();
     time_ = time();
@@ -239,19 +243,6 @@ inline void Solver::scale_rows() {
     }
 }
 
-inline void Solver::screen_rows() {
-    needed_.resize(points * count_);
-    for (std::size_t k = 0; k < count_; ++k)
-        for (int i = 0; i < points; ++i) {
-            const PathSample& sample = problem_.intervals[k].samples[i];
-            NeededRows& needed = needed_[points * k + i];
-            needed = needed_rows(sample, *problem_.limits);
-            if (problem_.calm <= most_calm_screened) continue;
-            for (int c = 0; c < coordinates; ++c)
-                if (problem_.limits->of[c].jerk < LimitSet::unbounded && sample.q1[c] != 0) needed.jerk |= 1u << c;
-        }
-}
-
 /// At an interval's right end acceleration is the next interval's left row, unless it is tightened.
 inline void Solver::choose_rows() {
     jerk_.clear();
@@ -260,9 +251,10 @@ inline void Solver::choose_rows() {
         for (int i = 0; i < points; ++i) {
             NeededRows needed;
             for (std::size_t k = lanes * b; k < std::min(lanes * (b + 1), count_); ++k) {
-                const NeededRows& own = needed_[points * k + i];
                 const Tightening& tight = problem_.tightening[k];
+                const NeededRows& own = (*tight.needed)[i];
                 needed.jerk |= own.jerk | tightened(tight.jerk, i);
+                if (problem_.calm > most_calm_screened) needed.jerk |= moving(problem_.intervals[k].samples[i]);
                 needed.acceleration |= (i == 2 ? 0 : own.acceleration) | tightened(tight.acceleration, i);
             }
             jerk_.add_point(needed.jerk);
@@ -566,7 +558,8 @@ inline void Solver::add_worth(std::size_t count, Worth& worth) const {
             const PointRows& point = blocks_data_[b].point[i];
             const PathSample& s = problem_.intervals[k].samples[i];
             const double speed = -point.speed.z[lane] * u[i].v[lane] * point.inverse_cap[lane];
-            const ArcJoint* joint = k == 0 && i == 0 && problem_.from_rest ? &problem_.start : nullptr;
+            const bool at_start = k == 0 && i == 0 && problem_.from_rest, at_stop = k + 1 == count_ && i == points - 1;
+            const ArcJoint* joint = at_start ? &problem_.start : at_stop ? &problem_.stop : nullptr;
             const bool by_arc = joint && 1 / joint->cap >= point.inverse_cap[lane];
             add_worth_of_cap(by_arc ? joint->held_by : fastest(s, *problem_.limits), speed, worth);
             const std::size_t at = points * b + i;

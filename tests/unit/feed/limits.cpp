@@ -138,6 +138,16 @@ TEST(Limits, WorthOfAllOfThemTogetherIsTheTime) {
     EXPECT_NEAR(sum / plan.profile.duration_s(), -1, 0.01);
 }
 
+TEST(Limits, WorthOfALineIsThatOfItsOnlyLimit) {
+    const std::array<machine::AxisLimits, 5> limits{{{1e6, 1e6, 5000}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
+    const StretchPlan plan = planned(straight({100, 0, 0, 0, 0}, 100, limits), {.calm = 0});
+    const double time_s = std::cbrt(32 * 100.0 / 5000);  // of a move that jerk alone limits
+    EXPECT_NEAR(plan.profile.duration_s(), time_s, 2e-4 * time_s);
+    EXPECT_NEAR(plan.worth[0].jerk_s, -time_s / 3, 0.01 * time_s);
+    EXPECT_NEAR(plan.worth[0].velocity_s, 0, 0.003 * time_s);
+    EXPECT_NEAR(plan.worth[0].acceleration_s, 0, 0.003 * time_s);
+}
+
 TEST(Limits, WorthTellsWhatALittleMoreWouldSave) {
     const auto flank = flank_path();
     if (!flank) GTEST_SKIP() << "no shared data";

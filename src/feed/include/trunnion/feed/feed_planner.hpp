@@ -12,8 +12,8 @@
 namespace trunnion::feed {
 
 struct PlannerOptions {
-    /// Weight of the smoothness term: the objective is T + calm · Σ ∫ (jerk/limit)² dt. 0 = off; 0.001 removes chatter
-    /// for nothing.
+    /// Weight of the smoothness term: the objective is T + calm · Σ ∫ (jerk/limit)² dt (up to 0.002 only over
+    /// coordinates that can be what limits). 0 = off; 0.001 removes chatter for nothing.
     double calm = 0.001;
     /// Intervals that are planned at once; at least 16. A stretch that is shorter is planned as a whole. A window
     /// grows, up to eight times, where it is shorter than two stopping distances.
@@ -25,7 +25,8 @@ struct PlannerOptions {
     double start_speed_mm_s = 0, start_acceleration_mm_s2 = 0;
 };
 
-/// What a little more of each limit of a coordinate is worth, from the multipliers: d(time)/d(ln limit), s, ≤ 0.
+/// What a little more of each limit of a coordinate is worth, from the multipliers: d(time)/d(ln limit), s, ≤ 0. Of the
+/// fastest motion: with more calm than the usual trace the time follows the limits less.
 struct LimitWorth {
     double velocity_s = 0, acceleration_s = 0, jerk_s = 0;
 };

@@ -1,0 +1,263 @@
+#!/usr/bin/env python3
+"""Draws the pictures of docs/theory/feed-planning.md from what `trunnion plan` writes.
+
+    scripts/theory_pictures.py [--trunnion build/release/apps/trunnion/trunnion] [--output docs/theory/pictures]
+
+Needs matplotlib: `apt-get install python3-matplotlib`, and then /usr/bin/python3."""
+import argparse
+import itertools
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+try:
+    import matplotlib
+    import numpy as np
+except ImportError:
+    sys.exit(__doc__)
+
+matplotlib.use('svg')
+from matplotlib import pyplot  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BLADE = ROOT / 'examples/01_first_plan'
+MACHINE = 'ucp710'
+FEED = '20m/min'
+PASS = 3  # which stretch of the blade, from 0: the second cut
+AXES = 'XYZAC'
+# Okabe and Ito: told apart by people who are colour-blind.
+COLOUR = dict(zip(AXES, ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#000000')))
+GREY, BLUE, RED = '#666666', '#0072B2', '#D55E00'
+LIMITING_FROM = 0.97  # of a limit, as in plan_stretch.cpp
+SAMPLES_PER_PIECE = 4
+
+LINE_LENGTH, LINE_SPEED, LINE_ACCELERATION, LINE_JERK = 100, 100, 1000, 20000  # mm, mm/s, mm/s², mm/s³
+LINE_PROGRAM = f'G21 G90 G94\nG0 X0 Y0 Z0\nG1 X{LINE_LENGTH} F{60 * LINE_SPEED}\nM2\n'
+LINE_MACHINE = 'name = "line"\nchain = "X Y Z"\n' + ''.join(
+    f'[axes.{axis}]\nrange = ["-400 mm", "400 mm"]\nmax_velocity = "{0.06 * LINE_SPEED} m/min"\n'
+    f'max_acceleration = "{LINE_ACCELERATION / 1000} m/s^2"\nmax_jerk = "{LINE_JERK / 1000} m/s^3"\n' for axis in 'XYZ')
+
+
+def read_table(file):
+    names = file.open().readline().strip().split(',')
+    values = np.loadtxt(file, delimiter=',', skiprows=1)
+    return {name: values[:, k] for k, name in enumerate(names)}
+
+
+def plan(trunnion, program, machine, *options):
+    """Setpoints and path samples as columns by name."""
+    with tempfile.TemporaryDirectory() as folder:
+        setpoints, samples = (pathlib.Path(folder) / name for name in ('setpoints.csv', 'path.csv'))
+        subprocess.run([trunnion, 'plan', program, '-m', machine, '-o', setpoints, '--path', samples, '--quiet', *options],
+                       check=True, stdout=subprocess.DEVNULL)
+        return read_table(setpoints), read_table(samples)
+
+
+def axis_limits(trunnion, machine):
+    """Velocity, acceleration and jerk of every axis in mm or degrees, as the program understands the machine."""
+    shown = subprocess.run([trunnion, 'machine', 'show', machine], check=True, capture_output=True, text=True).stdout
+    number = r'([\d.e+]+) (?:mm|deg)/s'
+    rows = re.findall(rf'^\s+(\w) .*?{number}\s+{number}\^2\s+{number}\^3', shown, re.M)
+    return {letter: [float(value) for value in values] for letter, *values in rows}
+
+
+def stretches_of(samples):
+    """Slices from standstill to standstill."""
+    rest = np.flatnonzero(samples['speed_mm_s'] == 0)
+    return [slice(begin, end + 1) for begin, end in zip(rest[:-1], rest[1:]) if end > begin + 1]
+
+
+class Stretch:
+    """x, x′, x″ at the path samples of one stretch, one-sided at knots, and the axes' loads there."""
+
+    def __init__(self, samples, where, limits):
+        self.limits = limits
+        self.columns = {name: values[where] for name, values in samples.items()}
+        p = self.columns['p_mm']
+        self.knots = p[::SAMPLES_PER_PIECE] - p[0]
+        rows = range(0, len(p) - 1, SAMPLES_PER_PIECE)
+        self.index = np.concatenate([np.arange(k, k + SAMPLES_PER_PIECE + 1) for k in rows])
+        self.p = p[self.index] - p[0]
+        self.speed = self.columns['speed_mm_s'][self.index]
+        self.speed_limit = self.columns['speed_limit_mm_s'][self.index]
+        pieces = self.p.reshape(-1, SAMPLES_PER_PIECE + 1)
+        d, e = zip(*(self.derivatives(k, len(pieces), u - u[0], u[-1] - u[0]) for k, u in enumerate(pieces)))
+        self.x, self.d, self.e = self.speed ** 2, np.concatenate(d), np.concatenate(e)
+
+    def derivatives(self, piece, pieces, u, length):
+        """x′ and x″ by p: of a cubic between knots, of α u^(4/3) on the arcs at both ends."""
+        x = self.speed[piece * len(u):(piece + 1) * len(u)] ** 2
+        if 0 < piece < pieces - 1:
+            cubic = np.polynomial.Polynomial.fit(u, x, 3)
+            return cubic.deriv(1)(u), cubic.deriv(2)(u)
+        start = piece == 0
+        from_rest = np.maximum(u if start else length - u, 1e-9 * length)
+        alpha = (x[-1] if start else x[0]) / length ** (4 / 3)
+        return (1 if start else -1) * 4 / 3 * alpha * np.cbrt(from_rest), 4 / 9 * alpha / np.cbrt(from_rest) ** 2
+
+    def rates(self, axis):
+        return (self.columns[f'{axis}{order}'][self.index] for order in ('_p', '_pp', '_ppp'))
+
+    def loads(self):
+        """Share of every limit, by name; of the feed last."""
+        out = {}
+        slowest = np.full(len(self.p), np.inf)
+        for axis, (velocity, acceleration, jerk) in self.limits.items():
+            q1, q2, q3 = self.rates(axis)
+            out[f'{axis} velocity'] = np.abs(q1) * self.speed / velocity
+            out[f'{axis} acceleration'] = np.abs(q2 * self.x + q1 * self.d / 2) / acceleration
+            out[f'{axis} jerk'] = np.abs(q3 * self.x + 1.5 * q2 * self.d + q1 * self.e / 2) * self.speed / jerk
+            slowest = np.minimum(slowest, velocity / np.maximum(np.abs(q1), 1e-12))
+        out['feed'] = np.where(self.speed_limit < 0.999 * slowest, self.speed / self.speed_limit, 0)
+        return out
+
+    def causes(self):
+        """What holds the speed down on every piece; None where nothing does."""
+        loads = self.loads()
+        names = list(loads)
+        peaks = np.array([load.reshape(-1, SAMPLES_PER_PIECE + 1).max(axis=1) for load in loads.values()])
+        worst = np.argmax(peaks, axis=0)
+        return [names[k] if peaks[k, piece] > LIMITING_FROM else None for piece, k in enumerate(worst)]
+
+    def jerk_free_speed(self):
+        """The fastest speed under velocities and accelerations alone: a scan backwards, then one forwards."""
+        b, c = [], []
+        for axis, (_, acceleration, _) in self.limits.items():
+            q1, q2, _ = self.rates(axis)
+            sign = np.where(q1 < 0, -1, 1) / acceleration
+            b.append(q2 * sign)
+            c.append(q1 * sign / 2)
+        b, c = np.array(b), np.array(c)
+        cross = np.abs(b[:, None] * c[None] - b[None] * c[:, None])
+        with np.errstate(divide='ignore', invalid='ignore'):
+            pairs = np.where(cross > 0, (c[:, None] + c[None]) / cross, np.inf)
+        x = np.minimum(self.speed_limit ** 2, np.min(pairs, axis=(0, 1)))
+        x[0] = x[-1] = 0
+        for k in range(len(x) - 2, -1, -1):
+            h = self.p[k + 1] - self.p[k]
+            slope, room = c[:, k] - h * b[:, k], c[:, k] * x[k + 1] + h
+            x[k] = min([x[k], *(room[slope > 0] / slope[slope > 0])]) if h > 0 else min(x[k], x[k + 1])
+        for k in range(len(x) - 1):
+            h = self.p[k + 1] - self.p[k]
+            moves = c[:, k] > 0
+            x[k + 1] = min(x[k + 1], x[k] + h * np.min((1 - b[moves, k] * x[k]) / c[moves, k]))
+        return np.sqrt(x)
+
+
+def draw_speed(stretch, file):
+    figure, (top, bottom) = pyplot.subplots(2, 1, figsize=(8, 5.4), sharex=True, gridspec_kw={'height_ratios': [3, 2]})
+    p = stretch.p
+    highest = 1.1 * min(np.max(stretch.speed_limit), 1.2 * np.max(stretch.jerk_free_speed()))
+    top.plot(p, stretch.speed_limit, color=GREY, linewidth=1, linestyle=':', label='feed and velocities of the axes allow')
+    top.plot(p, stretch.jerk_free_speed(), color=RED, linewidth=1.2, linestyle='--', label='and accelerations')
+    top.plot(p, stretch.speed, color=BLUE, linewidth=1.8, label='and jerks: the plan')
+    top.set(ylabel='path speed ṗ in mm/s', ylim=(0, highest))
+    top.legend(loc='lower center', bbox_to_anchor=(0.45, 1), ncols=3, frameon=False, fontsize=10)
+    causes = stretch.causes()
+    names = [name for name in stretch.loads() if name in causes]
+    for cause, pieces in itertools.groupby(range(len(causes)), key=causes.__getitem__):
+        pieces = list(pieces)
+        begin, end = stretch.knots[pieces[0]], stretch.knots[pieces[-1] + 1]
+        if cause:
+            bottom.broken_barh([(begin, end - begin)], (names.index(cause) - 0.35, 0.7), color=COLOUR.get(cause[0], GREY))
+    bottom.set(xlabel='path parameter p in mm', ylabel='limited by', yticks=range(len(names)), yticklabels=names,
+               ylim=(len(names) - 0.4, -0.6))
+    bottom.set_axisbelow(True)
+    bottom.grid(axis='x', color='#dddddd')
+    finish(figure, file)
+
+
+def shares(setpoints, limits):
+    """Velocity, acceleration and jerk of every axis at times, as share of the limits, by differences of the setpoints."""
+    t = setpoints['t_s']
+    period = t[1] - t[0]
+    for axis, axis_limit in limits.items():
+        column = next(values for name, values in setpoints.items() if name.startswith(axis + '_'))
+        yield axis, [(t[order:] - order * period / 2, np.diff(column, order) / period ** order / limit)
+                     for order, limit in enumerate(axis_limit, 1)]
+
+
+def draw_axes(stretch, setpoints, window, file):
+    figure, rows = pyplot.subplots(3, 1, figsize=(8, 6.6), sharex=True)
+    edge = 2 * setpoints['t_s'][1]  # beyond it a third difference also sees the standstill
+    for axis, by_order in shares(setpoints, stretch.limits):
+        for plot, (t, share) in zip(rows, by_order):
+            inside = (t > window[0] + edge) & (t < window[1] - edge)
+            plot.plot(t[inside] - window[0], share[inside], color=COLOUR[axis], label=axis,
+                      linewidth=1.8 if axis == 'C' else 1)
+    for plot, what in zip(rows, ('velocity', 'acceleration', 'jerk')):
+        plot.axhline(1, color=GREY, linewidth=0.8, linestyle=':')
+        plot.axhline(-1, color=GREY, linewidth=0.8, linestyle=':')
+        plot.set(ylabel=f'{what}\nof its limit', ylim=(-1.15, 1.15), yticks=(-1, 0, 1))
+    rows[0].legend(loc='lower center', bbox_to_anchor=(0.5, 1), ncols=len(stretch.limits), frameon=False)
+    rows[2].set_xlabel('time in s')
+    finish(figure, file)
+
+
+def draw_calm(trunnion, file):
+    figure, (top, bottom) = pyplot.subplots(2, 1, figsize=(8, 4.6), sharex=True)
+    with tempfile.TemporaryDirectory() as folder:
+        program, machine = pathlib.Path(folder) / 'line.ngc', pathlib.Path(folder) / 'line.toml'
+        program.write_text(LINE_PROGRAM)
+        machine.write_text(LINE_MACHINE)
+        limits = {'X': [LINE_SPEED, LINE_ACCELERATION, LINE_JERK]}
+        for calm, colour, style in ((0.001, RED, '--'), (0.3, BLUE, '-')):
+            setpoints, _ = plan(trunnion, program, machine, '--calm', str(calm), '--period', '0.25ms')
+            (_, (velocity, _, jerk)), = shares(setpoints, limits)
+            label = f'calm {calm}'
+            top.plot(*velocity, color=colour, linestyle=style, label=label)
+            bottom.plot(*jerk, color=colour, linestyle=style, label=label)
+    top.set(ylabel='velocity\nof its limit', ylim=(0, 1.1), yticks=(0, 1), xlim=(0, 0.25))
+    bottom.set(ylabel='jerk\nof its limit', xlabel='time from standstill in s', ylim=(-1.15, 1.15), yticks=(-1, 0, 1))
+    top.legend(loc='lower right', frameon=False)
+    finish(figure, file)
+
+
+def draw_rest(stretch, file):
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8, 3.4))
+    x = np.interp(stretch.knots, stretch.p, stretch.x)
+    shown = stretch.knots <= 12 * stretch.knots[1]
+    power = stretch.knots[shown] ** (4 / 3)
+    alpha = x[1] / stretch.knots[1] ** (4 / 3)
+    left.plot(power, alpha * power, color=RED, linestyle='--', label='α p$^{4/3}$ of the arc')
+    left.plot(power, x[shown], color=BLUE, marker='o', markersize=4, label='plan, its knots marked')
+    left.set(xlabel='p$^{4/3}$, p in mm', ylabel='x = ṗ² in mm²/s²', xlim=(0, None), ylim=(0, 1.3 * np.max(x[shown])))
+    left.legend(loc='lower right', frameon=False)
+    right.step(stretch.knots, np.append(np.diff(stretch.knots), np.nan), where='post', color=BLUE)
+    right.set(yscale='log', xlabel='p in mm', ylabel='length of the interval in mm')
+    right.grid(color='#dddddd')
+    finish(figure, file)
+
+
+def finish(figure, file):
+    figure.align_ylabels()
+    figure.tight_layout()
+    figure.savefig(file, metadata={'Date': None})
+    pyplot.close(figure)
+    print(file)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--trunnion', type=pathlib.Path, default=ROOT / 'build/release/apps/trunnion/trunnion')
+    parser.add_argument('--output', type=pathlib.Path, default=ROOT / 'docs/theory/pictures')
+    args = parser.parse_args()
+    args.output.mkdir(parents=True, exist_ok=True)
+    matplotlib.rcParams.update({'font.size': 11, 'axes.spines.top': False, 'axes.spines.right': False,
+                                'svg.hashsalt': 'trunnion', 'axes.titlesize': 11})
+    setpoints, samples = plan(args.trunnion, BLADE / 'blade.ngc', MACHINE, '--setup', BLADE / 'setup.toml', '--feed', FEED,
+                              '--period', '0.5ms')
+    stretches = stretches_of(samples)
+    stretch = Stretch(samples, stretches[PASS], axis_limits(args.trunnion, MACHINE))
+    begin = np.interp(samples['s_mm'][stretches[PASS].start], setpoints['s_mm'], setpoints['t_s'])
+    end = np.interp(samples['s_mm'][stretches[PASS].stop - 1], setpoints['s_mm'], setpoints['t_s'])
+    draw_speed(stretch, args.output / 'speed.svg')
+    draw_axes(stretch, setpoints, (begin, end), args.output / 'axes.svg')
+    draw_calm(args.trunnion, args.output / 'calm.svg')
+    draw_rest(stretch, args.output / 'rest.svg')
+
+
+if __name__ == '__main__':
+    main()
