@@ -3,6 +3,7 @@
 #include <ctime>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -212,10 +213,12 @@ BENCHMARK_CAPTURE(stream_one, random_corners, [] { return random_corners(3); })-
 BENCHMARK_CAPTURE(stream_one, spiral_2m, [] { return spiral(2000, 0.1); })->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(stream_one, spiral_20m, [] { return spiral(20000, 0.2); })->Unit(benchmark::kMillisecond);
 
-/// The bound without jerk alone, in one go, over so many thousand samples of the spiral again and again.
+constexpr std::size_t bound_window = 500;
+
+/// The bound without jerk alone, in windows, over so many thousand places of the spiral again and again.
 void jerk_free_bound(benchmark::State& state) {
     const Subject once = spiral(2000, 0.1);
-    const std::size_t wanted = 1000 * static_cast<std::size_t>(state.range(0)) / (feed::samples_per_interval - 1);
+    const std::size_t wanted = 1000 * static_cast<std::size_t>(state.range(0)) / feed::JerkFreeScan::steps_per_interval;
     std::vector<feed::Interval> intervals;
     while (intervals.size() < wanted)
         intervals.insert(intervals.end(), once.intervals.begin() + 1,
@@ -225,10 +228,16 @@ void jerk_free_bound(benchmark::State& state) {
     double time_s = 0;
     for (auto _ : state) {
         feed::JerkFreeScan scan(limits);
-        time_s = scan.advance(intervals, intervals.size(), true);
+        time_s = 0;
+        for (std::size_t begin = 0; begin < intervals.size();) {
+            const std::size_t left = intervals.size() - begin, window = std::min(left, bound_window);
+            const std::size_t commit = window == left ? left : window * 9 / 10;
+            time_s += scan.advance(std::span(intervals).subspan(begin, window), commit, window == left);
+            begin += commit;
+        }
     }
     if (!(time_s > 0)) return state.SkipWithError("no bound");
-    const double points = static_cast<double>(intervals.size() * (feed::samples_per_interval - 1));
+    const double points = static_cast<double>(intervals.size() * feed::JerkFreeScan::steps_per_interval);
     state.counters["us_per_point"] =
         benchmark::Counter(1e-6 * points, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }

@@ -6,14 +6,8 @@
 namespace trunnion::feed {
 namespace {
 
-constexpr int steps = samples_per_interval - 1;
-
-/// −room ≤ b x + c d ≤ room per coordinate, c ≥ 0, of acceleration q″x + ½q′d; x ≤ cap of velocities.
-struct Rows {
-    std::array<double, coordinates> b, c;
-    int count = 0;
-    double cap = 0;
-};
+using Rows = JerkFreeScan::Rows;
+constexpr int steps = JerkFreeScan::steps_per_interval;
 
 Rows rows_at(const PathSample& s, const LimitSet& limits) {
     Rows out;
@@ -29,6 +23,22 @@ Rows rows_at(const PathSample& s, const LimitSet& limits) {
     }
     out.cap = 1 / inverse;
     return out;
+}
+
+/// The quintic between two samples, in its middle.
+PathSample between(const PathSample& a, const PathSample& b, double h) {
+    PathSample out;
+    for (int c = 0; c < coordinates; ++c) {
+        out.q1[c] = (a.q1[c] + b.q1[c]) / 2 + 5 * h / 32 * (a.q2[c] - b.q2[c]) + h * h / 64 * (a.q3[c] + b.q3[c]);
+        out.q2[c] = 15 / (8 * h) * (b.q1[c] - a.q1[c]) - 7.0 / 16 * (a.q2[c] + b.q2[c]) + h / 32 * (b.q3[c] - a.q3[c]);
+    }
+    return out;
+}
+
+/// Where a step begins.
+PathSample step_sample(const Interval& interval, std::size_t step) {
+    const PathSample& before = interval.samples[step / 2];
+    return step % 2 == 0 ? before : between(before, interval.samples[step / 2 + 1], interval.length_mm / 2);
 }
 
 /// Largest x for which some d satisfies all rows: every pair of an upper and a lower row bounds x.
@@ -66,27 +76,26 @@ double reachable(const Rows& r, double x, double h) {
 double JerkFreeScan::advance(std::span<const Interval> window, std::size_t commit, bool last) {
     const std::size_t n = window.size();
     ceiling_.resize(n * steps + 1);
-    ceiling_[n * steps] = last ? 0 : rows_at(window.back().samples[steps], limits_).cap;
+    rows_.resize(n * steps);
+    ceiling_[n * steps] = last ? 0 : rows_at(window.back().samples.back(), limits_).cap;
     for (std::size_t k = n; k-- > 0;) {
         const double h = window[k].length_mm / steps;
-        for (int i = steps; i-- > 0;) {
-            const std::size_t node = k * steps + i;
-            ceiling_[node] = controllable(rows_at(window[k].samples[i], limits_), ceiling_[node + 1], h);
+        for (std::size_t i = steps, node = k * steps + i; i-- > 0;) {
+            --node;
+            rows_[node] = rows_at(step_sample(window[k], i), limits_);
+            ceiling_[node] = controllable(rows_[node], ceiling_[node + 1], h);
         }
         // The limits behind a knot hold on its other side too.
         if (k > 0)
-            ceiling_[k * steps] = std::min(ceiling_[k * steps], rows_at(window[k - 1].samples[steps], limits_).cap);
+            ceiling_[k * steps] = std::min(ceiling_[k * steps], rows_at(window[k - 1].samples.back(), limits_).cap);
     }
     double time = 0;
     x_ = std::min(x_, ceiling_[0]);
-    for (std::size_t k = 0; k < commit; ++k) {
-        const double h = window[k].length_mm / steps;
-        for (int i = 0; i < steps; ++i) {
-            const double next =
-                std::clamp(reachable(rows_at(window[k].samples[i], limits_), x_, h), 0.0, ceiling_[k * steps + i + 1]);
-            time += 2 * h / (std::sqrt(x_) + std::sqrt(next));
-            x_ = next;
-        }
+    for (std::size_t node = 0; node < commit * steps; ++node) {
+        const double h = window[node / steps].length_mm / steps;
+        const double next = std::clamp(reachable(rows_[node], x_, h), 0.0, ceiling_[node + 1]);
+        time += 2 * h / (std::sqrt(x_) + std::sqrt(next));
+        x_ = next;
     }
     return time;
 }
