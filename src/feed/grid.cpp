@@ -13,10 +13,10 @@ namespace trunnion::feed {
 namespace {
 
 constexpr double turn_tolerance =
-    0.0015;  // how far q′ may bend from its chord within an interval, of the leading axis' q′
+    0.0012;  // how far q′ may bend from its chord within an interval, of the leading axis' q′
 constexpr double arc_turn_tolerance = 0.05;  // the same of a rest arc, whose samples must see the bend
 constexpr double largest_mm = 5;
-constexpr double growth = 0.2;        // of the size per mm: neighbours differ by up to e^0.2
+constexpr double growth = 0.16;       // of the size per mm: neighbours differ by up to e^0.16
 constexpr double rest_growth = 0.14;  // ln 1.15
 // An arc must be short beside the way to the next corner: the speed turns down again long before it.
 constexpr double arc_share_of_path = 0.01, arc_share_of_segment = 0.04;

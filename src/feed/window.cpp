@@ -10,7 +10,8 @@ namespace {
 
 using motion::ProfilePiece;
 
-constexpr int max_iterations = 60, warm_iterations = 40, max_rounds = 12;
+constexpr int max_iterations = 60, warm_iterations = 40, max_rounds = 30;
+constexpr std::size_t intervals_an_iteration = 100;  // more of a long window
 constexpr double gap = 3e-4;
 constexpr double tightening_trigger = 1.0002;
 
@@ -119,7 +120,8 @@ std::vector<ProfilePiece> WindowSolver::pieces_of(const WindowProblem& window, c
 WindowPlan WindowSolver::improve(const WindowProblem& window) {
     WindowPlan plan;
     solver_->begin(core_of(window), start_);
-    int patience = max_iterations;
+    const int more = static_cast<int>(window.intervals.size() / intervals_an_iteration);
+    int patience = max_iterations + more;
     for (bool anew = false;; ++plan.rounds) {
         const SolveReport report = solver_->run(gap, std::min(patience, window.most_iterations - plan.iterations));
         plan.iterations += report.iterations;
@@ -127,7 +129,7 @@ WindowPlan WindowSolver::improve(const WindowProblem& window) {
         if (!report.converged && plan.rounds > 0 && !anew && plan.iterations < window.most_iterations) {
             anew = true;
             forget_tightening(window);
-            patience = max_iterations;
+            patience = max_iterations + more;
             solver_->begin(core_of(window), start_);
             continue;
         }
@@ -135,7 +137,7 @@ WindowPlan WindowSolver::improve(const WindowProblem& window) {
         plan.safe = examine(window, plan.pieces, peaks_).safe();
         if (plan.safe || !report.converged || plan.rounds >= max_rounds) return plan;
         if (!tighten_all(window, peaks_)) return plan;
-        patience = warm_iterations;
+        patience = warm_iterations + more;
         solver_->retighten(core_of(window));
     }
 }

@@ -11,7 +11,7 @@
 namespace trunnion::test {
 namespace {
 
-constexpr std::size_t one_window = std::numeric_limits<std::size_t>::max() / 4, streaming = 300;
+constexpr std::size_t one_window = std::numeric_limits<std::size_t>::max() / 4, streaming = feed::FeedOptions{}.window;
 
 /// Plans, and adds what it took.
 double planned_s(const path::AxisPath& path, const feed::FeedOptions& options, Measured& out) {

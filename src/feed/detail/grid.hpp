@@ -44,7 +44,7 @@ class SegmentCutter {
 };
 
 /// Cells from begin to end of the path; the first and the last one are the arcs at rest. Sizes follow the path, grow by
-/// 1.15 from the arcs and at most about 1.5 elsewhere. Looks ahead only as far as a size that grows can reach.
+/// 1.15 from the arcs and about as much elsewhere. Looks ahead only as far as a size that grows can reach.
 class Grid {
   public:
     explicit Grid(const Sampler& sampler) : sampler_(sampler), cutter_(sampler.path()), next_(cutter_.next()) {}

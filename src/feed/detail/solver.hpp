@@ -142,7 +142,9 @@ class Solver final : public InteriorPoint {
         std::vector<std::uint32_t> first;  ///< of every point, and the end
         void clear();
         void add_point(unsigned mask);
-        std::span<Row> of(std::size_t point) { return {&rows[first[point]], &rows[first[point + 1]]}; }
+        std::span<Row> of(std::size_t point) {
+            return std::span(rows).subspan(first[point], first[point + 1] - first[point]);
+        }
     };
     struct Block {
         std::array<PointRows, samples_per_interval> point;

@@ -17,7 +17,7 @@ struct PlannerOptions {
     double calm = 0.001;
     /// Intervals that are planned at once; at least 16. A stretch that is shorter is planned as a whole. A window
     /// grows, up to eight times, where it is shorter than two stopping distances.
-    std::size_t window = 300;
+    std::size_t window = 400;
     /// How many iterations of the solver the window of that number (from 0) may take; 0 leaves it out. Empty: as many
     /// as it needs. What is not finished in time is continued by the plan in hand, which ends in standstill.
     std::function<int(int window)> budget;

@@ -25,7 +25,7 @@ struct LimitFactors {
 struct FeedOptions {
     double calm = 0.001;       ///< smoothness weight ≥ 0, see PlannerOptions
     double jerk_margin = 0;    ///< share of every jerk limit to leave unused, in [0, 1)
-    std::size_t window = 300;  ///< intervals planned at once, see PlannerOptions
+    std::size_t window = 400;  ///< intervals planned at once, see PlannerOptions
     /// Largest distance of the tip's path from the straight steps between setpoints `period_s` apart.
     double chord_error_mm = std::numeric_limits<double>::infinity();
     double period_s = 1e-3;  ///< of the chord error
