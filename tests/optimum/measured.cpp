@@ -11,7 +11,8 @@
 namespace trunnion::test {
 namespace {
 
-constexpr std::size_t one_window = std::numeric_limits<std::size_t>::max() / 4, streaming = feed::FeedOptions{}.window;
+constexpr std::size_t one_window = std::numeric_limits<std::size_t>::max() / 4;
+const std::size_t streaming = feed::FeedOptions{}.window;
 
 /// Plans, and adds what it took.
 double planned_s(const path::AxisPath& path, const feed::FeedOptions& options, Measured& out) {
