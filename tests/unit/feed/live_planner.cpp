@@ -29,21 +29,6 @@ void expect_finished(const LiveDrive& drive, const Stretch& stretch) {
     EXPECT_EQ(drive.state().speed_mm_s, 0);
 }
 
-Stretch past_the_pole(double distance) {
-    Stretch out;
-    out.machine = five_axis_machine(trunnion_limits());
-    path::PathPiece piece;
-    piece.length_mm = 60;
-    piece.coefficient[0][1] = 60;
-    piece.coefficient[3] = {-0.5, 1, 0, 0, 0, 0, 0, 0};
-    piece.coefficient[4][0] = distance;
-    piece.coefficient[5][0] = 1;
-    out.tool_path.pieces.push_back(piece);
-    out.tool_path.blocks.push_back({0, 60, {}, 1, 60});
-    out.close();
-    return out;
-}
-
 /// The same path in blocks of random length, all under one feed.
 void cut_into_blocks(Stretch& stretch, Random& random, double shortest, double longest) {
     const path::BlockSpan whole = stretch.tool_path.blocks.front();

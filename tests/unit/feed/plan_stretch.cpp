@@ -167,17 +167,7 @@ TEST(PlanStretch, JerkMarginIsLeftUnused) {
 TEST(PlanStretch, PassesThePole) {
     for (const double distance : {1e-1, 1e-3, 1e-5}) {
         SCOPED_TRACE(distance);
-        Stretch path;
-        path.machine = five_axis_machine(trunnion_limits());
-        path::PathPiece piece;
-        piece.length_mm = 60;
-        piece.coefficient[0][1] = 60;
-        piece.coefficient[3] = {-0.5, 1, 0, 0, 0, 0, 0, 0};
-        piece.coefficient[4][0] = distance;
-        piece.coefficient[5][0] = 1;
-        path.tool_path.pieces.push_back(piece);
-        path.tool_path.blocks.push_back({0, 60, {}, 1, 60});
-        path.close();
+        const Stretch path = past_the_pole(distance);
         const auto plan = planned(path);
         expect_sound(path, plan);
         EXPECT_LT(plan.profile.duration_s(), 4);

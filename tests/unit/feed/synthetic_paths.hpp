@@ -147,6 +147,22 @@ class CornerPath {
     std::vector<double> lengths_;
 };
 
+/// 60 mm on which the tool axis passes the pole at that distance.
+inline Stretch past_the_pole(double distance) {
+    Stretch out;
+    out.machine = five_axis_machine(trunnion_limits());
+    path::PathPiece piece;
+    piece.length_mm = 60;
+    piece.coefficient[0][1] = 60;
+    piece.coefficient[3] = {-0.5, 1, 0, 0, 0, 0, 0, 0};
+    piece.coefficient[4][0] = distance;
+    piece.coefficient[5][0] = 1;
+    out.tool_path.pieces.push_back(piece);
+    out.tool_path.blocks.push_back({0, 60, {}, 1, 60});
+    out.close();
+    return out;
+}
+
 /// Random moves of 0.3-25 mm with corners rounded to 0.02, half of the paths under a feed of 20-120 mm/s.
 inline Stretch random_corners(std::uint64_t seed, int moves) {
     Random random(seed);
