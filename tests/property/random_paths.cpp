@@ -93,7 +93,7 @@ path::ToolPath dense(Random& random) {
 path::ToolPath straights(Random& random) {
     CornerPath out;
     const int moves = 1 + static_cast<int>(random.between(0, 3));
-    const double size = log_between(random, 2e-3, 1000);
+    const double size = log_between(random, 1e-2, 1000);
     for (int k = 0; k < moves; ++k) {
         const Direction direction = random_direction(random, 0.01);
         out.straight_to(direction, size * random.between(0.2, 1));
