@@ -46,7 +46,11 @@ class FeedPlanner::State {
           base_(std::max(options.window, smallest_window)),
           window_(base_),
           sink_(std::move(sink)),
-          scan_(limits) {}
+          scan_(limits) {
+        const bool known = options.start_speed_mm_s >= 0 && std::isfinite(options.start_speed_mm_s) &&
+                           std::isfinite(options.start_acceleration_mm_s2);
+        if (!known) give_up("FEED0001", "the start speed must be 0 or more, and the start acceleration a number");
+    }
 
     void push(const Interval& interval) {
         if (failed_) return;

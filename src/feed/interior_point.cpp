@@ -1,11 +1,6 @@
 #include "detail/interior_point.hpp"
 
 namespace trunnion::feed {
-namespace {
-
-constexpr std::size_t idle_lanes = 4;  // that a block may have beyond the last interval
-
-}  // namespace
 
 void Trajectory::resize(std::size_t intervals) {
     x.assign(intervals + 1 + idle_lanes, 1);  // idle lanes stand at 1

@@ -54,6 +54,7 @@ struct CoreProblem {
 
 /// x, x′ at the knots (one more than intervals) and x″ at both ends of every interval.
 struct Trajectory {
+    static constexpr int idle_lanes = 4;  ///< that the last block may have beyond the last interval
     std::vector<double> x, d, e0, e1;
     void resize(std::size_t intervals);
 };

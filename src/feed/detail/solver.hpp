@@ -125,6 +125,8 @@ inline void take_over(const List& old, List& now) {
     }
 }
 
+static_assert(lanes == Trajectory::idle_lanes);
+
 class Solver final : public InteriorPoint {
   public:
     void begin(const CoreProblem& problem, const Trajectory& guess) override;

@@ -100,6 +100,18 @@ TEST(FeedPlanner, RefusesAStartSpeedThatCannotBeStopped) {
     EXPECT_EQ(done.error().code, "FEED0007");
 }
 
+TEST(FeedPlanner, RefusesAStartWithoutMeaning) {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+    for (const auto& [speed, acceleration] : {std::pair{nan, 0.0}, {-1.0, 0.0}, {infinite, 0.0}, {10.0, nan}}) {
+        FeedPlanner planner(one_axis(), {.start_speed_mm_s = speed, .start_acceleration_mm_s2 = acceleration},
+                            [](const Interval&, const ProfilePiece&) {});
+        for (const Interval& interval : line(100)) planner.push(interval);
+        const auto done = planner.finish();
+        ASSERT_FALSE(done);
+        EXPECT_EQ(done.error().code, "FEED0001");
+    }
+}
+
 TEST(FeedPlanner, RefusesALimitOfZero) {
     feed::LimitSet limits = one_axis();
     limits.of[0].jerk = 0;

@@ -66,9 +66,9 @@ class FeedPlanner {
     /// Adds the next interval; plans and commits when a window is full.
     void push(const Interval& interval);
     /// The stretch ends behind the last interval: plans and commits the rest. The last interval becomes an arc of
-    /// constant jerk and so does, from rest, the first one. Errors: FEED0002 derivatives are not finite, FEED0003 fewer
-    /// than 3 intervals, FEED0004 no plan even from standstill, FEED0006 a limit is not more than 0, FEED0007 the start
-    /// speed cannot be stopped in what is left.
+    /// constant jerk and so does, from rest, the first one. Errors: FEED0001 a start speed or acceleration without
+    /// meaning, FEED0002 derivatives are not finite, FEED0003 fewer than 3 intervals, FEED0004 no plan even from
+    /// standstill, FEED0006 a limit is not more than 0, FEED0007 the start speed cannot be stopped in what is left.
     Result<void> finish();
 
     const PlannerCounts& counts() const;
