@@ -1,5 +1,6 @@
 #include "detail/motion_stage.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "trunnion/interpolation/interpolator.hpp"
@@ -77,9 +78,11 @@ void MotionStage::events_before_block(std::size_t block) {
 void MotionStage::events_of_stretch(const motion::FeedProfile& profile, const StretchTable& table) {
     const auto& blocks = path().tool_path().blocks;
     for (; next_event_ < run_.events.size(); ++next_event_) {
-        const std::size_t block = run_.events[next_event_].block - stretch_.first_block;
-        if (block >= blocks.size()) return;
-        const double p = blocks[block].begin_mm;
+        const auto block =
+            std::lower_bound(blocks.begin(), blocks.end(), run_.events[next_event_].block,
+                             [](const path::BlockSpan& span, std::size_t wanted) { return span.run_block < wanted; });
+        if (block == blocks.end()) return;
+        const double p = block->begin_mm;
         observer_.event(
             {time_s_ + table.time_at(profile, p), table.way_at(p), &program_.events[run_.events[next_event_].event]});
     }

@@ -48,7 +48,7 @@ NextElement StretchSource::begin_run() {
     auto more = builder_.next(run_);
     if (!more) return fail(more.error());
     smoothed_.clear();
-    next_smoothed_ = block_ = 0;
+    next_smoothed_ = 0;
     if (!*more) {
         at_end_ = true;
         if (run_.events.empty()) return std::nullopt;
@@ -87,16 +87,16 @@ Result<void> StretchSource::make_ready(path::ToolPath& tool_path) {
     auto stretch = Stretch::make(std::move(tool_path), *machine_, near);
     if (!stretch) return fail(located(stretch.error(), *program_, line));
     if (auto turned = turn_in_place(*(*stretch)->axis_path); !turned) return turned;
-    const std::size_t blocks = (*stretch)->tool_path.blocks.size();
-    hand_out(std::move(*stretch), blocks);
-    block_ += blocks;
+    hand_out(std::move(*stretch));
     return {};
 }
 
-void StretchSource::hand_out(std::shared_ptr<const Stretch> stretch, std::size_t blocks) {
+void StretchSource::hand_out(std::shared_ptr<const Stretch> stretch) {
     at_ = stretch->axis_path->end_position();
     moved_ = true;
-    ready_.push_back({StretchBegin{std::move(stretch), block_, share(block_ + blocks)}, share(block_)});
+    const auto& blocks = stretch->tool_path.blocks;
+    const std::size_t first = blocks.front().run_block, behind = blocks.back().run_block + 1;
+    ready_.push_back({StretchBegin{std::move(stretch), first, share(behind)}, share(first)});
 }
 
 double StretchSource::share(std::size_t block) const {
@@ -110,9 +110,10 @@ RotaryPosition StretchSource::standing_before(const path::ToolPath& tool_path) c
     RotaryPosition out{};
     for (int a = 0; a < machine_->rotary_count; ++a) out[a] = at_[machine_->linear_count() + a];
     if (run_.stands.empty()) return out;
-    const auto& axis = run_.vertices[block_].orientation;
+    const std::size_t vertex = tool_path.blocks.front().run_block;
+    const auto& axis = run_.vertices[vertex].orientation;
     const bool free = tool_path.kinematics->rotary_for({axis[0], axis[1], axis[2]}).degenerate;
-    return moved_ && !free ? out : run_.stands[block_];
+    return moved_ && !free ? out : run_.stands[vertex];
 }
 
 /// A stretch that does not begin where the axes stand. Rounding may lead the tool past the pole on the other side than
@@ -170,9 +171,10 @@ Result<void> StretchSource::turn_in_place(const path::AxisPath& next) {
     std::vector<path::ToolPath> turns;
     smoothing::smooth(run, options_->smoothing, turns);
     turns.front().stop = path::StopCause::turn;
+    turns.front().blocks.front().run_block = tool_path.blocks.front().run_block;
     auto stretch = Stretch::make(std::move(turns.front()), *machine_, {});
     if (!stretch) return fail(located(stretch.error(), *program_, tool_path.blocks.front().line));
-    hand_out(std::move(*stretch), 0);
+    hand_out(std::move(*stretch));
     return {};
 }
 

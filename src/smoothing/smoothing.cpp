@@ -29,17 +29,23 @@ bool has_doubled_points(const path::Run& run) {
                        [](const path::Block& b) { return b.length_mm < shortest_block_mm; });
 }
 
-/// Drops blocks without length; the last pose stays.
-path::Run without_doubled_points(const path::Run& run) {
-    path::Run kept = run;
-    kept.vertices.resize(1);
-    kept.blocks.clear();
+/// A run without its blocks that have no length, and which of its blocks are left. The last pose stays.
+struct Kept {
+    path::Run run;
+    std::vector<std::size_t> block;
+};
+
+Kept without_doubled_points(const path::Run& run) {
+    Kept kept{run, {}};
+    kept.run.vertices.resize(1);
+    kept.run.blocks.clear();
     for (std::size_t i = 0; i < run.blocks.size(); ++i) {
         if (run.blocks[i].length_mm < shortest_block_mm) continue;
-        kept.vertices.push_back(run.vertices[i + 1]);
-        kept.blocks.push_back(run.blocks[i]);
+        kept.run.vertices.push_back(run.vertices[i + 1]);
+        kept.run.blocks.push_back(run.blocks[i]);
+        kept.block.push_back(i);
     }
-    if (!kept.blocks.empty()) kept.vertices.back() = run.vertices.back();
+    if (!kept.block.empty()) kept.run.vertices.back() = run.vertices.back();
     return kept;
 }
 
@@ -270,8 +276,12 @@ bool gives_nothing(const SmoothingOptions& options) {
 
 void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out) {
     if (has_doubled_points(run)) {
-        const path::Run kept = without_doubled_points(run);
-        if (!kept.blocks.empty()) smooth(kept, options, out);
+        const Kept kept = without_doubled_points(run);
+        if (kept.block.empty()) return;
+        const std::size_t before = out.size();
+        smooth(kept.run, options, out);
+        for (std::size_t i = before; i < out.size(); ++i)
+            for (path::BlockSpan& span : out[i].blocks) span.run_block = kept.block[span.run_block];
         return;
     }
     if (run.blocks.empty()) return;

@@ -60,12 +60,11 @@ path::ToolPath stretch(const path::Run& run, VertexRange range, path::StopCause 
     path.law = run.law;
     path.rapid = run.rapid;
     path.kinematics = run.kinematics;
-    path.first_move = run.first_move + range.first;
     path.stop = stop;
     double begin = 0;
     for (std::size_t i = range.first; i < range.last; ++i) {
         const path::Block& block = run.blocks[i];
-        path.blocks.push_back({begin, begin + block.length_mm, block.feed, block.line, block.length_mm});
+        path.blocks.push_back({begin, begin + block.length_mm, block.feed, block.line, block.length_mm, i});
         begin += block.length_mm;
     }
     return path;

@@ -42,7 +42,7 @@ class StretchSource {
     Result<void> make_ready(path::ToolPath& tool_path);
     machine::RotaryPosition standing_before(const path::ToolPath& tool_path) const;
     Result<void> turn_in_place(const path::AxisPath& next);
-    void hand_out(std::shared_ptr<const Stretch> stretch, std::size_t blocks);
+    void hand_out(std::shared_ptr<const Stretch> stretch);
     Diagnostic joint_error(const path::AxisPath& next, double jump) const;
     double share(std::size_t block) const;
 
@@ -54,7 +54,6 @@ class StretchSource {
     std::vector<path::ToolPath> smoothed_;  // of the run
     std::size_t next_smoothed_ = 0;
     std::deque<Element> ready_;
-    std::size_t block_ = 0;  // of the run, where the next stretch begins
     bool in_run_ = false, at_end_ = false;
     machine::AxisPosition at_;
     bool moved_ = false;

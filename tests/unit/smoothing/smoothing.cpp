@@ -175,7 +175,7 @@ TEST(Reversal, SplitsTheRun) {
     EXPECT_EQ(paths[0].stop, StopCause::reversal);
     EXPECT_EQ(paths[0].blocks.size(), 1U);
     EXPECT_EQ(paths[1].stop, run.stop);
-    EXPECT_EQ(paths[1].first_move, run.first_move + 1);
+    EXPECT_EQ(paths[1].blocks.front().run_block, 1U);
     expect_lawful(walk(run, paths), tight());
 }
 
@@ -245,15 +245,23 @@ TEST(Rapid, IsKeptAsItIs) {
     EXPECT_EQ(paths[0].pieces.size(), 1U);
 }
 
+TEST(Blocks, KeepTheirNumbersBehindDoubledPoints) {
+    const auto run = upright({{0, 0, 0}, {10, 0, 0}, {10, 0, 0}, {10, 0, 0}, {10, 20, 0}, {10, 20, 0}});
+    const auto paths = smoothed(run, tight());
+    ASSERT_EQ(paths.size(), 1U);
+    ASSERT_EQ(paths[0].blocks.size(), 2U);
+    EXPECT_EQ(paths[0].blocks[0].run_block, 0U);
+    EXPECT_EQ(paths[0].blocks[1].run_block, 3U);
+}
+
 TEST(Blocks, AreCarriedAlong) {
     path::Run run = upright({{0, 0, 0}, {10, 0, 0}, {10, 20, 0}, {40, 20, 0}});
-    run.first_move = 17;
     run.blocks[1].feed = {program::FeedRule::block_time, 2.5};
     const auto paths = smoothed(run, tight());
     ASSERT_EQ(paths.size(), 1U);
     const auto& blocks = paths[0].blocks;
     ASSERT_EQ(blocks.size(), 3U);
-    EXPECT_EQ(paths[0].first_move, 17U);
+    EXPECT_EQ(blocks[2].run_block, 2U);
     EXPECT_EQ(blocks[1].feed, run.blocks[1].feed);
     EXPECT_EQ(blocks[2].line, run.blocks[2].line);
     EXPECT_DOUBLE_EQ(blocks[1].begin_mm, 10);

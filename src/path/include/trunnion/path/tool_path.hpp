@@ -22,7 +22,8 @@ struct BlockSpan {
     double begin_mm = 0, end_mm = 0;
     Feed feed;
     std::int32_t line = 0;
-    double time_scale_mm = 0;  ///< programmed length dp of the whole block: G93's ṗ is time_scale_mm / feed.value
+    double time_scale_mm = 0;   ///< programmed length dp of the whole block: G93's ṗ is time_scale_mm / feed.value
+    std::size_t run_block = 0;  ///< index in Run::blocks; parts of one block may lie on several stretches
 };
 
 /// What smoothing guarantees of a stretch, over all of it, against the programmed path at equal p.
@@ -40,7 +41,6 @@ struct ToolPath {
     const machine::Kinematics* kinematics = nullptr;  ///< not owned
     std::vector<PathPiece> pieces;                    ///< abutting, from p = 0
     std::vector<BlockSpan> blocks;                    ///< abutting, from p = 0
-    std::size_t first_move = 0;                       ///< index in Program::moves of the move of blocks[0]
     DeviationBound bound;
     std::vector<float> transition_use;  ///< deviation / tolerance at every block transition inside
     StopCause stop = StopCause::end;    ///< what the standstill at its end is for
