@@ -1,0 +1,102 @@
+#include "detail/deviation_hull.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace trunnion::smoothing {
+
+namespace {
+
+constexpr int most_halvings = 6;
+constexpr double worth_halving = 1.01;  // a hull that exceeds the largest deviation seen by more than this
+
+}  // namespace
+
+void widen(Extent& a, const Extent& b) {
+    a.tip = std::max(a.tip, b.tip);
+    a.turn = std::max(a.turn, b.turn);
+    a.height = std::max(a.height, b.height);
+}
+
+DeviationHull::DeviationHull(const path::Run& run, const Measure& measure, const Polyline& line)
+    : run_(run), measure_(measure), lever_axis_(lever_axis(run)) {
+    const double turn = line.largest_turn_rad;
+    sideways_ = 0.017 * turn * turn * turn;        // θ³/6·max t(1−t)(1−2t)
+    chord_error_mm_ = 1.01 * line.chord_error_mm;  // and what it is off along the chord
+}
+
+Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, const Coordinates& to) {
+    return over(curve, from, to, lever_bound(from, to), 0);
+}
+
+double DeviationHull::lever_bound(const Coordinates& from, const Coordinates& to) const {
+    if (lever_axis_ < 0) return 1;
+    const int other = lever_axis_ == 3 ? 4 : 3;
+    return std::min(1.0, lever_at(run_, 0.5 * (from + to)) + 0.5 * std::abs(to[other] - from[other]));
+}
+
+Extent DeviationHull::measured(const Coordinates& d, double lever) const {
+    return {measure_.point(d, lever, measure_.controlled_height_mm()), measure_.turn(d, lever),
+            measure_.point(d, lever, measure_.flank_height_mm())};
+}
+
+/// Only the part of a vector's deviation across the tool axis turns it. Takes the part along the axis at the cell's
+/// middle out of `d` and adds to `slack` what that and the linear measures leave out, as an angle.
+double DeviationHull::take_across(Bernstein& d, const Bernstein& curve, const Coordinates& from,
+                                  const Coordinates& to) const {
+    const Eigen::Vector3d along = (from + to).tail<3>().normalized();
+    const double half_turn = (to - from).tail<3>().norm();  // twice the half: the chord's ends lie inside the sphere
+    double all = 0, across = 0, radial = 0;
+    for (int k = 0; k < 8; ++k) {
+        const Eigen::Vector3d n = d[k].tail<3>();
+        const double length = along.dot(n);
+        d[k].tail<3>() -= length * along;
+        all = std::max(all, n.norm());
+        across = std::max(across, d[k].tail<3>().norm());
+        radial = std::max({radial, curve[k].tail<3>().norm() - 1, 1 - along.dot(curve[k].tail<3>())});
+    }
+    if (radial > 0.5) return std::numbers::pi;
+    const double sine = (across + all * half_turn) / (1 - radial);
+    return all * half_turn + sine * radial + sine * sine + sideways_;
+}
+
+/// The lever on the deviated path too.
+double DeviationHull::lever_beside(const Bernstein& d, double lever) const {
+    if (lever_axis_ < 0) return 1;
+    const int other = lever_axis_ == 3 ? 4 : 3;
+    double largest = 0;
+    for (const Coordinates& x : d) largest = std::max(largest, std::abs(x[other]));
+    return std::min(1.0, lever + largest);
+}
+
+Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, const Coordinates& to, double block_lever,
+                           int depth) {
+    Bernstein d;
+    for (int k = 0; k < 8; ++k) d[k] = curve[k] - (from + (to - from) * (k / 7.0));
+    const double beyond = measure_.vectors() ? take_across(d, curve, from, to) : 0;
+    const double lever = lever_beside(d, block_lever);
+    Extent ends = measured(d[0], lever);
+    widen(ends, measured(d[7], lever));
+    widen(seen_, ends);
+    Extent hull = ends;
+    for (int k = 1; k < 7; ++k) widen(hull, measured(d[k], lever));
+    hull.tip += measure_.controlled_height_mm() * beyond + chord_error_mm_;
+    hull.turn += beyond;
+    hull.height += measure_.flank_height_mm() * beyond + chord_error_mm_;
+    if (depth == most_halvings || !slack(hull)) return hull;
+    const Coordinates middle = 0.5 * (from + to);
+    Bernstein after = curve;
+    const Bernstein before = split(after, 0.5);
+    hull = over(before, from, middle, block_lever, depth + 1);
+    widen(hull, over(after, middle, to, block_lever, depth + 1));
+    return hull;
+}
+
+bool DeviationHull::slack(const Extent& hull) const {
+    const double near_mm = chord_error_mm_ + 1e-9;
+    return hull.tip > worth_halving * seen_.tip + near_mm || hull.turn > worth_halving * seen_.turn + 1e-11 ||
+           hull.height > worth_halving * seen_.height + near_mm;
+}
+
+}  // namespace trunnion::smoothing
