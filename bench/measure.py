@@ -2,7 +2,8 @@
 """Plans every named case and every real program that must plan, has the outside checker judge the setpoints, and prints the
 table of docs/performance.md.
 
-    bench/measure.py [--trunnion build/release/apps/trunnion/trunnion] [--shared ../shared] [--only NAME…] [--jobs 2]"""
+    bench/measure.py [--trunnion build/release/apps/trunnion/trunnion] [--shared ../shared] [--only NAME…] [--jobs 2]
+        [--options="--rounding beudaert --calm 0"]"""
 import argparse
 import concurrent.futures
 import json
@@ -54,7 +55,7 @@ def measure(args, name, program, programmed, kind, options):
         q, s, p = (pathlib.Path(folder) / f for f in ('q.csv', 's.json', 'p.csv'))
         start = time.time()
         done = subprocess.run([args.trunnion, 'plan', program, '-m', machine, '--setup', setup, '-o', q, '--summary', s,
-                               '--programmed', p, '--quiet', *options], capture_output=True, text=True)
+                               '--programmed', p, '--quiet', *options, *args.options], capture_output=True, text=True)
         wall = time.time() - start
         if done.returncode not in (0, 1):
             return f'| {name} | **{done.stderr.strip()}** |'
@@ -80,8 +81,10 @@ def main():
     parser.add_argument('--shared', type=pathlib.Path, default=pathlib.Path('../shared'))
     parser.add_argument('--only', nargs='*')
     parser.add_argument('--jobs', type=int, default=2)
+    parser.add_argument('--options', type=str.split, default=[], help='of plan, for all programs')
     args = parser.parse_args()
-    wanted = [j for j in jobs(args.shared) if not args.only or any(o in j[0] for o in args.only)]
+    wanted = [j for j in jobs(args.shared) if not ('--rounding' in args.options and 'no rounding' in j[0]) and (
+              not args.only or any(o in j[0] for o in args.only))]
     print('| program | blocks | time s | jerk-free s | velocity, acceleration, jerk / limit | tip µm: motion / poses | orientation deg '
           '| 30 mm up µm | covered | tolerance used | exact stops | fallbacks | read smooth plan sample s | wall s |')
     print('|' + '---|' * 14)

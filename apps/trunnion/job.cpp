@@ -30,8 +30,16 @@ void JobOptions::add_to(CLI::App& command) {
 }
 
 void JobOptions::add_planning_to(CLI::App& command) {
-    command.add_option("--rounding", rounding, "none: exact stop at every corner")
-        ->check(CLI::IsMember({"smooth", "none"}))
+    command
+        .add_option(
+            "--rounding", rounding,
+            "smooth: corners and dense blocks alike; beudaert: every corner on its own; none: exact stop at each")
+        ->check(CLI::IsMember({"smooth", "beudaert", "none"}))
+        ->capture_default_str();
+    command
+        .add_option("--link", link,
+                    "of tip and orientation in a corner rounded by beudaert; linear: as controls do, for comparison")
+        ->check(CLI::IsMember({"optimised", "linear"}))
         ->capture_default_str();
     command.add_option("--calm", calm, "weight of smoothness against time, 0 … 1")
         ->check(CLI::Range(0.0, 1.0))
@@ -75,10 +83,16 @@ Result<int> thread_count(const std::string& text) {
     return fail({.code = "PIPE0001", .text = "--threads must be 1 or 2", .value = text});
 }
 
+smoothing::Rounding rounding_of(const std::string& name) {
+    if (name == "none") return smoothing::Rounding::none;
+    return name == "beudaert" ? smoothing::Rounding::beudaert : smoothing::Rounding::smooth;
+}
+
 Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
     pipeline::PlanOptions out;
     auto& smoothing = out.smoothing;
-    smoothing.rounding = job.rounding == "none" ? smoothing::Rounding::none : smoothing::Rounding::smooth;
+    smoothing.rounding = rounding_of(job.rounding);
+    smoothing.link = job.link == "linear" ? smoothing::Link::linear : smoothing::Link::optimised;
     double feed_mm_s = 0;
     const Result<void> parts[] = {
         set(smoothing.tip_tolerance_mm, "--tip-tolerance", job.tip_tolerance, dimension::length),

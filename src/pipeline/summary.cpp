@@ -62,6 +62,22 @@ ordered_json number(std::optional<double> value) {
     return value && std::isfinite(*value) ? ordered_json(*value) : ordered_json(nullptr);
 }
 
+const char* name_of(smoothing::Rounding rounding) {
+    switch (rounding) {
+        case smoothing::Rounding::smooth:
+            return "smooth";
+        case smoothing::Rounding::beudaert:
+            return "beudaert";
+        case smoothing::Rounding::none:
+            return "none";
+    }
+    return "";
+}
+
+const char* name_of(smoothing::Link link) {
+    return link == smoothing::Link::linear ? "linear" : "optimised";
+}
+
 ordered_json options_json(const PlanOptions& options) {
     const auto& smoothing = options.smoothing;
     const auto& feed = options.feed;
@@ -70,7 +86,9 @@ ordered_json options_json(const PlanOptions& options) {
             {"orientation_tolerance_deg", smoothing.orientation_tolerance_rad / degree},
             {"flank_tolerance_mm", smoothing.flank_tolerance_mm},
             {"flank_height_mm", smoothing.flank_height_mm},
-            {"rounding", smoothing.rounding == smoothing::Rounding::none ? "none" : "smooth"},
+            {"rounding", name_of(smoothing.rounding)},
+            {"link", smoothing.rounding == smoothing::Rounding::beudaert ? ordered_json(name_of(smoothing.link))
+                                                                         : ordered_json(nullptr)},
             {"calm", feed.calm},
             {"feed_override", options.feed_override},
             {"feed_mm_min", options.feed_mm_s ? ordered_json(*options.feed_mm_s * 60) : ordered_json(nullptr)},

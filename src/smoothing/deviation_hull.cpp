@@ -22,7 +22,7 @@ void widen(Extent& a, const Extent& b) {
 DeviationHull::DeviationHull(const path::Run& run, const Measure& measure, const Polyline& line)
     : run_(run), measure_(measure), lever_axis_(lever_axis(run)) {
     const double turn = line.largest_turn_rad;
-    sideways_ = 0.017 * turn * turn * turn;        // θ³/6·max t(1−t)(1−2t)
+    sideways_ = chord_sideways * turn * turn * turn;
     chord_error_mm_ = 1.01 * line.chord_error_mm;  // and what it is off along the chord
 }
 

@@ -50,7 +50,7 @@ double largest_arm(const path::Run& run, VertexRange range) {
 }  // namespace
 
 Measure::Measure(const path::Run& run, VertexRange range, const SmoothingOptions& options)
-    : options_(options), vectors_(has_vectors(run)), lever_axis_(lever_axis(run)) {
+    : options_(options), vectors_(has_vectors(run)), lever_axis_(smoothing::lever_axis(run)) {
     if (run.space == path::Space::machine && run.kinematics && run.kinematics->rotary_count() > 0)
         arm_mm_ = largest_arm(run, range);
 }

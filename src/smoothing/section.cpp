@@ -16,10 +16,6 @@ constexpr double agreement_mm = 1e-4;
 constexpr double negligible_mm = 1e-7;  // a bump so low needs no pieces of its own
 constexpr int most_halvings = 40;
 
-double size_mm(const Coordinates& d) {
-    return d.head<3>().norm() + path::reference_height_mm * d.tail<3>().norm();
-}
-
 /// Where a bump lies in the section.
 struct Support {
     double begin_mm, end_mm, width_mm;

@@ -7,14 +7,13 @@
 #include "trunnion/smoothing/kernel.hpp"
 
 #include "detail/certificate.hpp"
+#include "detail/local_rounding.hpp"
 #include "detail/straight.hpp"
 
 namespace trunnion::smoothing {
 
 namespace {
 
-constexpr double no_kink = 1e-9;           // relative change of the tangent that is rounding
-constexpr double reversal_cosine = -0.99;  // between tangents: |c′| of the rounded corner falls to 0.07
 constexpr int narrowing_rounds = 24;
 constexpr double chord_part = 1.0 / 40;  // of the tip tolerance: an arc from its chords
 
@@ -286,6 +285,7 @@ void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<p
     }
     if (run.blocks.empty()) return;
     if (run.rapid || run.blocks.size() == 1 || gives_nothing(options)) return keep_as_programmed(run, options, out);
+    if (options.rounding == Rounding::beudaert) return round_locally(run, options, out);
     RunSmoother(run, options, out).between({0, run.blocks.size()}, lone_reversals(run, options), run.stop);
 }
 

@@ -28,6 +28,11 @@ struct VertexRange {
     std::size_t first = 0, last = 0;
 };
 
+/// How far apart two places are, as a length.
+inline double size_mm(const Coordinates& d) {
+    return d.head<3>().norm() + path::reference_height_mm * d.tail<3>().norm();
+}
+
 /// A block shorter than this is a doubled point.
 inline constexpr double shortest_block_mm = 1e-7;
 

@@ -6,6 +6,9 @@
 
 namespace trunnion::smoothing {
 
+/// A slerp over the angle θ is at most this times θ³ from its chord, as an angle: max t(1−t)(1−2t)/6.
+inline constexpr double chord_sideways = 0.017;
+
 /// How far a path is from the programmed one: controlled point (mm), tool axis (rad), point at the flank height (mm).
 struct Extent {
     double tip = 0, turn = 0, height = 0;

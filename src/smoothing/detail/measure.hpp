@@ -30,6 +30,7 @@ class Measure {
     double flank_height_mm() const { return options_.flank_height_mm; }
     double tip_tolerance_mm() const { return options_.tip_tolerance_mm; }
     bool vectors() const { return vectors_; }
+    int lever_axis() const { return lever_axis_; }  ///< index in Coordinates, −1: none
     /// Deviations of the axes are not those of the tool: machine space with turning axes.
     bool has_arm() const { return arm_mm_ > 0; }
 

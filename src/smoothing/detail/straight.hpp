@@ -9,6 +9,11 @@
 
 namespace trunnion::smoothing {
 
+/// Change of the tangent, relative, that is rounding.
+inline constexpr double no_kink = 1e-9;
+/// Between tangents; sharper corners are reversals: |c′| of the rounded corner would fall to 0.07.
+inline constexpr double reversal_cosine = -0.99;
+
 /// dP/dp at the begin or end of a programmed block, orientation times the reference height: unit length but for the
 /// lever. Law vector: of the slerp.
 Coordinates tangent_at_begin(const path::Run& run, std::size_t block);

@@ -62,7 +62,8 @@ struct Walk {
     double tip_mm = 0, turn_rad = 0, height_mm = 0;  // largest deviation at equal p
     double bound_tip_mm = 0, bound_turn_rad = 0, bound_height_mm = 0;
     double over_tip = 0, over_turn = 0, over_height = 0;  // largest sample − bound of its own stretch
-    double jump = 0;  // largest relative step of value or a derivative between pieces
+    double jump = 0;        // largest relative step of value or a derivative between pieces
+    double jump_to_c2 = 0;  // the same without the third derivative
     double least_speed = std::numeric_limits<double>::infinity();
     double end_second = 0;   // largest |c″| at an end
     double end_miss = 0;     // largest |c − Q| at an end
@@ -97,6 +98,7 @@ inline void check_joints(const path::ToolPath& path, Walk& walk) {
             const double scale =
                 order == 0 ? std::max(1.0, size_of(after)) : std::max(size_of(after), 1 / std::pow(h, order - 1));
             walk.jump = std::max(walk.jump, size_of(step) / scale);
+            if (order < 3) walk.jump_to_c2 = std::max(walk.jump_to_c2, size_of(step) / scale);
         }
     }
 }
@@ -111,7 +113,6 @@ inline double speed_of(const path::Run& run, const Pose& at, const Pose& d) {
 inline Walk walk(const path::Run& run, const std::vector<path::ToolPath>& paths, double height_mm = 30,
                  double controlled_mm = 0, int per_piece = 12) {
     Walk w;
-    std::size_t block = 0;
     for (const auto& path : paths) {
         ++w.stretches;
         w.pieces += path.pieces.size();
@@ -137,7 +138,7 @@ inline Walk walk(const path::Run& run, const std::vector<path::ToolPath>& paths,
                 const double part = std::clamp((p - s.begin_mm) / s.time_scale_mm, 0.0, 1.0);
                 const Pose c = derivative(piece, offset, 0);
                 for (const double x : c) w.finite = w.finite && std::isfinite(x);
-                const Tool is = tool_at(run, c), was = tool_at(run, programmed(run, block + span, part));
+                const Tool is = tool_at(run, c), was = tool_at(run, programmed(run, s.run_block, part));
                 tip = std::max(tip, (is.tip + controlled_mm * is.axis - was.tip - controlled_mm * was.axis).norm());
                 turn = std::max(turn, geometry::angle_between(is.axis, was.axis));
                 height = std::max(height, (is.tip + height_mm * is.axis - was.tip - height_mm * was.axis).norm());
@@ -157,12 +158,12 @@ inline Walk walk(const path::Run& run, const std::vector<path::ToolPath>& paths,
             const auto& piece = end ? tail : head;
             const double at = end ? piece.length_mm : 0;
             Pose miss = derivative(piece, at, 0);
-            const Pose q = programmed(run, end ? block + path.blocks.size() - 1 : block, end ? 1 : 0);
+            const Pose q =
+                programmed(run, end ? path.blocks.back().run_block : path.blocks.front().run_block, end ? 1 : 0);
             for (int k = 0; k < 6; ++k) miss[k] -= q[k];
             w.end_miss = std::max(w.end_miss, size_of(miss));
             w.end_second = std::max(w.end_second, size_of(derivative(piece, at, 2)));
         }
-        block += path.blocks.size();
     }
     return w;
 }

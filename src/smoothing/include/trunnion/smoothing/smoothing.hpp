@@ -8,13 +8,21 @@
 namespace trunnion::smoothing {
 
 enum class Rounding {
-    smooth,  ///< corners and dense blocks rounded within the tolerances
-    none     ///< the programmed path itself, exact stop at every corner
+    smooth,    ///< corners and dense blocks rounded within the tolerances
+    beudaert,  ///< every corner on its own, by two linked B-splines (Beudaert 2013)
+    none       ///< the programmed path itself, exact stop at every corner
+};
+
+/// How the parameters of the two curves of a corner belong together, for Rounding::beudaert.
+enum class Link {
+    optimised,  ///< so that the tool turns C² (link.hpp)
+    linear      ///< u_top = u_bottom: the turning speed jumps where a rounding joins, so motion has to stand still there
 };
 
 /// What may be given away of the programmed path. A tolerance ≤ 0 gives nothing: as Rounding::none.
 struct SmoothingOptions {
     Rounding rounding = Rounding::smooth;
+    Link link = Link::optimised;
     double tip_tolerance_mm = 0.02;
     double orientation_tolerance_rad = 0.1 * 0.017453292519943295;
     double flank_tolerance_mm = 0;  ///< > 0: deviation of the point at the flank height, in place of the orientation's
@@ -25,7 +33,7 @@ struct SmoothingOptions {
 /// Turns a run of programmed blocks into one or more stretches of C³ tool path, each from rest to rest, and appends
 /// them to `out`, in order.
 ///
-/// The path is the programmed polyline P(p) in position and orientation coordinates plus one compact bump at every
+/// For Rounding::smooth the path is the programmed polyline P(p) in position and orientation coordinates plus one compact bump at every
 /// vertex,
 ///
 ///     c(p) = P(p) + Σᵢ Δᵢ·wᵢ·g((p − pᵢ)/wᵢ),   Δᵢ = P′(pᵢ+) − P′(pᵢ−),
@@ -45,6 +53,14 @@ struct SmoothingOptions {
 /// - |c′| > 0.05 in the metric of p. Where the programmed path turns back on itself so that this cannot hold, the run
 ///   is split at that vertex: StopCause::reversal.
 /// - ToolPath::transition_use is deviation / tolerance at each vertex between two blocks, the larger of both.
+///
+/// For Rounding::beudaert: a cubic B-spline of five points at every vertex between straight blocks, over at most half
+/// of the shorter one, and another for the orientation (corner.hpp); their parameters linked in closed form (link.hpp),
+/// so that tip and orientation are C² with a jump of the third derivative at the joins and in the middle. Law vector:
+/// the second curve is that of the point at the flank height (30 mm where that is 0), and blocks that turn far are
+/// divided into blocks ruled by tip and that point, at the cost of at most a fifth of the tolerance. Otherwise it is
+/// that of tip and rotary axes together. Both tolerances hold at equal p by the same hulls. It stands still
+/// (StopCause::corner) at vertices at which the tip or the point above it stands still on one side.
 ///
 /// For Rounding::none, rapids, and runs of one block: positions are exact, orientations too (law vector: to 1e-10 rad),
 /// with an exact stop (StopCause::corner) at every vertex where the tangent of position or orientation changes at all,
