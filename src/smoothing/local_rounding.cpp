@@ -17,9 +17,11 @@ constexpr double half_block = 0.5;
 constexpr double shortest_straight = 1e-9;  // of a block: what less is left between two corners is rounding
 
 /// So far a vector may turn within a block, and an arc bulge.
-Division division(const Measure& measure) {
-    const double turn = std::cbrt(dividing_share * measure.turn_tolerance_rad() / chord_sideways);
-    return {turn, dividing_share * measure.tip_tolerance_mm()};
+Division division(const Measure& measure, const SmoothingOptions& options) {
+    const double point_mm = options.flank_tolerance_mm > 0
+                                ? std::min(options.tip_tolerance_mm, options.flank_tolerance_mm)
+                                : options.tip_tolerance_mm;
+    return {std::cbrt(dividing_share * measure.turn_tolerance_rad() / chord_sideways), dividing_share * point_mm};
 }
 
 class LocalRounding {
@@ -28,7 +30,7 @@ class LocalRounding {
         : run_(run),
           options_(options),
           measure_(run, {0, run.blocks.size()}, options),
-          line_(make_polyline(run, {0, run.blocks.size()}, division(measure_))),
+          line_(make_polyline(run, {0, run.blocks.size()}, division(measure_, options))),
           hull_(run, measure_, line_),
           out_(out) {}
 

@@ -250,7 +250,8 @@ bool may_be_refused(const std::string& code, const Kind& kind) {
 }
 
 /// Whether the program was planned (else refused, as it may be).
-bool plan_and_check(std::uint64_t seed, const machine::Machine& machine, bool all_kinds) {
+bool plan_and_check(std::uint64_t seed, const machine::Machine& machine, bool all_kinds,
+                    smoothing::Rounding rounding = smoothing::Rounding::smooth) {
     Random random(seed);
     Kind kind;
     kind.vectors = random.chance(0.5);
@@ -270,7 +271,8 @@ bool plan_and_check(std::uint64_t seed, const machine::Machine& machine, bool al
     options.smoothing.tip_tolerance_mm = random.log_between(0.002, 0.1);
     options.smoothing.orientation_tolerance_rad = random.log_between(0.02, 0.5) * degree;
     if (random.chance(0.2)) options.smoothing.flank_tolerance_mm = random.log_between(0.005, 0.2);
-    if (random.chance(0.1)) options.smoothing.rounding = smoothing::Rounding::none;
+    options.smoothing.rounding = random.chance(0.1) ? smoothing::Rounding::none : rounding;
+    if (random.chance(0.2)) options.smoothing.link = smoothing::Link::linear;
     Rows recorded;
     const auto summary = pipeline::plan(program, machine, setup, options, recorded);
     if (!summary) {
@@ -322,13 +324,14 @@ machine::Machine wide(const char* name) {
     return machine;
 }
 
-void plan_and_check_all(const std::vector<machine::Machine>& machines, bool all_kinds, std::uint64_t count) {
+void plan_and_check_all(const std::vector<machine::Machine>& machines, bool all_kinds, std::uint64_t count,
+                        smoothing::Rounding rounding = smoothing::Rounding::smooth) {
     const std::uint64_t first = environment("TRUNNION_SEED", 1);
     count = environment("TRUNNION_PROGRAMS", count);
     fmt::print("seeds {} … {}\n", first, first + count - 1);
     std::uint64_t planned = 0;
     for (std::uint64_t seed = first; seed < first + count; ++seed)
-        planned += plan_and_check(seed, machines[seed % machines.size()], all_kinds) ? 1 : 0;
+        planned += plan_and_check(seed, machines[seed % machines.size()], all_kinds, rounding) ? 1 : 0;
     EXPECT_GE(2 * planned, count) << "too many are refused for the test to mean anything";
 }
 
@@ -343,6 +346,10 @@ std::vector<machine::Machine> machines_of_every_kind() {
 
 TEST(RandomPrograms, of_every_kind_on_machines_of_every_kind) {
     plan_and_check_all(machines_of_every_kind(), true, 60);
+}
+
+TEST(RandomPrograms, rounded_corner_by_corner) {
+    plan_and_check_all(machines_of_every_kind(), true, 30, smoothing::Rounding::beudaert);
 }
 
 /// Seeds that once found a limit broken at rest beside the pole, or a standstill that the checker lost.
