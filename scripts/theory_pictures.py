@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Draws the pictures of docs/theory/feed-planning.md from what `trunnion plan` writes.
+"""Draws the pictures of docs/theory: of feed-planning.md from what `trunnion plan` writes, of corner-rounding.md from what
+examples/03_corner writes.
 
-    scripts/theory_pictures.py [--trunnion build/release/apps/trunnion/trunnion] [--output docs/theory/pictures]
+    scripts/theory_pictures.py [--trunnion build/release/apps/trunnion/trunnion]
+                               [--corner build/release/examples/03_corner/example_corner] [--output docs/theory/pictures]
 
 Needs matplotlib: `apt-get install python3-matplotlib`, and then /usr/bin/python3."""
 import argparse
@@ -231,6 +233,89 @@ def draw_rest(stretch, file):
     finish(figure, file)
 
 
+def corner_tables(program):
+    """What examples/03_corner writes, by the name of the table."""
+    if not program.exists():
+        sys.exit(f'{program} is missing: scripts/build.sh release example_corner')
+    with tempfile.TemporaryDirectory() as folder:
+        machine = ROOT / f'data/machines/{MACHINE}.toml'
+        subprocess.run([program, machine, folder], check=True, stdout=subprocess.DEVNULL)
+        return {file.stem: read_table(file) for file in pathlib.Path(folder).glob('*.csv')}
+
+
+def draw_corner_curves(tables, file):
+    figure, plot = pyplot.subplots(figsize=(8, 5))
+    curves, polygon, link = (tables[name] for name in ('curves', 'polygon', 'link_closed'))
+    for prefix, colour, label in (('', BLUE, 'tip'), ('top_', RED, 'top point')):
+        plot.plot(polygon[prefix + 'x_mm'], polygon[prefix + 'y_mm'], color=colour, linewidth=0.8, linestyle=':', marker='o',
+                  markersize=4)
+        plot.plot(curves[prefix + 'x_mm'], curves[prefix + 'y_mm'], color=colour, linewidth=1.8, label=label)
+    for u_bottom in np.linspace(0, 1, 21):
+        u_top = np.interp(u_bottom, link['u_bottom'], link['u_top'])
+        ends = [[np.interp(u, curves['u'], curves[prefix + axis + '_mm']) for prefix, u in (('', u_bottom), ('top_', u_top))]
+                for axis in 'xy']
+        plot.plot(*ends, color=GREY, linewidth=0.7)
+    plot.set(aspect='equal', xlabel='x in mm', ylabel='y in mm')
+    plot.legend(loc='upper left', frameon=False)
+    finish(figure, file)
+
+
+LINKS = (('linear', GREY, '--', 'linear'), ('closed', BLUE, '-', 'closed form'), ('discrete', RED, ':', 'as published'))
+
+
+def draw_corner_link(tables, file):
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8, 3.4))
+    for name, colour, style, label in LINKS:
+        link = tables['link_' + name]
+        left.plot(link['u_bottom'], link['u_top'] - link['u_bottom'], color=colour, linestyle=style, label=label)
+        right.plot(link['u_bottom'], link['first'], color=colour, linestyle=style)
+    left.set(xlabel='u of the bottom', ylabel='u of the top − u of the bottom')
+    right.set(xlabel='u of the bottom', ylabel='f′', ylim=(0, None))
+    left.legend(frameon=False)
+    finish(figure, file)
+
+
+def draw_corner_way(tables, file):
+    figure, (top, middle, bottom) = pyplot.subplots(3, 1, figsize=(8, 7), sharex=True)
+    for name, colour, style, label in LINKS:
+        steps, way = tables['steps_' + name], tables['way_' + name]
+        top.plot(steps['s_mm'], steps['criterion_rad_mm3'], color=colour, linestyle=style, label=label)
+        middle.plot(steps['s_mm'], steps['feed_limit_mm_s'], color=colour, linestyle=style)
+        bottom.plot(way['s_mm'], way['second_rad_mm2'], color=colour, linestyle=style)
+    top.set(yscale='log', ylabel='‖n‴‖ in rad/mm³\nby steps of 0.05 mm', ylim=(1e-6, None))
+    middle.set(ylabel='Eq. 10 in mm/s\nby steps of 0.05 mm', ylim=(0, None))
+    bottom.set(ylabel='‖n″‖ in rad/mm²\nexact', xlabel='way of the tip in mm, 0 at the entry', ylim=(0, None))
+    top.legend(loc='lower center', bbox_to_anchor=(0.5, 1), ncols=3, frameon=False)
+    finish(figure, file)
+
+
+def draw_corner_sensitivity(tables, file):
+    tried = tables['sensitivity']
+    order = np.argsort(tried['u_top'])
+    u, criterion, feed = (tried[name][order] for name in ('u_top', 'criterion_rad_mm3', 'feed_limit_mm_s'))
+    best = u[np.argmin(criterion)]
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8, 3.4))
+    left.plot(1e6 * (u - best), criterion, color=BLUE)
+    left.set(xlabel='u of the top − best, 10⁻⁶', ylabel='criterion in rad/mm³', ylim=(0, None))
+    right.plot(1e6 * (u - best), feed, color=BLUE)
+    right.set(xlabel='u of the top − best, 10⁻⁶', ylabel='Eq. 10 in mm/s', ylim=(0, None), xlim=(-20, 20))
+    finish(figure, file)
+
+
+def draw_corner_ratio(tables, file):
+    figure, plot = pyplot.subplots(figsize=(8, 3.4))
+    ratio = tables['ratio']
+    for angle, colour, style in zip(np.unique(ratio['angle_deg']), (BLUE, RED, COLOUR['Z']), ('-', '--', ':')):
+        shown = ratio['angle_deg'] == angle
+        feed = ratio['feed_limit_mm_s'][shown]
+        plot.plot(ratio['ratio'][shown], feed / np.max(feed), color=colour, linestyle=style,
+                  label=f'{angle:g}°, at best {np.max(feed):.2f} mm/s')
+    plot.axvspan(1.4, 1.75, color='#eeeeee')
+    plot.set(xlabel='outer length / inner length', ylabel='least of Eq. 10\nof its best', ylim=(0, 1.05))
+    plot.legend(loc='lower right', frameon=False)
+    finish(figure, file)
+
+
 def finish(figure, file):
     figure.align_ylabels()
     figure.tight_layout()
@@ -242,6 +327,7 @@ def finish(figure, file):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--trunnion', type=pathlib.Path, default=ROOT / 'build/release/apps/trunnion/trunnion')
+    parser.add_argument('--corner', type=pathlib.Path, default=ROOT / 'build/release/examples/03_corner/example_corner')
     parser.add_argument('--output', type=pathlib.Path, default=ROOT / 'docs/theory/pictures')
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
@@ -257,6 +343,9 @@ def main():
     draw_axes(stretch, setpoints, (begin, end), args.output / 'axes.svg')
     draw_calm(args.trunnion, args.output / 'calm.svg')
     draw_rest(stretch, args.output / 'rest.svg')
+    tables = corner_tables(args.corner)
+    for draw in (draw_corner_curves, draw_corner_link, draw_corner_way, draw_corner_sensitivity, draw_corner_ratio):
+        draw(tables, args.output / (draw.__name__.removeprefix('draw_').replace('_', '-') + '.svg'))
 
 
 if __name__ == '__main__':

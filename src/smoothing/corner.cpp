@@ -46,9 +46,9 @@ struct Wedge {
 
 Result<Wedge> wedge(const Eigen::Vector3d& before, const Eigen::Vector3d& corner, const Eigen::Vector3d& after,
                     std::string_view which) {
-    const Wedge out{corner,
-                    {(before - corner).stableNormalized(), (after - corner).stableNormalized()},
-                    {(before - corner).stableNorm(), (after - corner).stableNorm()}};
+    Wedge out{corner,
+              {(before - corner).stableNormalized(), (after - corner).stableNormalized()},
+              {(before - corner).stableNorm(), (after - corner).stableNorm()}};
     for (const double length : out.length_mm)
         if (!(length > 0) || !std::isfinite(length))
             return refuse("SMTH0102", fmt::format("a segment of the {} at a corner has no length", which), length,

@@ -75,7 +75,7 @@ bool ParameterLink::increases() const noexcept {
     for (const double b : slope) largest = std::max(largest, std::abs(b));
     constexpr double smallest_share = 1e-9;
     constexpr int most_halvings = 24;
-    return std::isfinite(largest) && stays_above(slope, smallest_share * largest, most_halvings);
+    return stays_above(slope, smallest_share * largest, most_halvings);
 }
 
 Taylor3 ParameterLink::at(double u) const noexcept {

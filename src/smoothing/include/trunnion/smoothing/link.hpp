@@ -35,14 +35,14 @@ class ParameterLink {
 
     /// The polynomial with these ends. Nothing where f′ > 0 does not hold on all of [0, 1]: decided by the Bernstein
     /// coefficients of f′, subdivided, not by samples; a minimum below 1e-9 of the largest coefficient counts as not
-    /// positive. Cost below 1 µs.
+    /// positive. Cost 0.2 µs.
     static std::optional<ParameterLink> through(const LinkEnd& entry, const LinkEnd& exit) noexcept;
 
-    /// f and its derivatives by u, u in [0, 1]. Exact at both ends. 15 ns.
+    /// f and its derivatives by u, u in [0, 1]. Exact at both ends. 12 ns.
     Taylor3 at(double u) const noexcept;
 
     /// The u in [0, 1] with f(u) = value, to 1e-15 where f′ is of order 1; `value` in [0, 1]. Newton within a bracket,
-    /// at most 100 steps, usually 5: 0.1 µs.
+    /// at most 100 steps; about 0.3 µs.
     double inverse(double value) const noexcept;
 
   private:
