@@ -17,10 +17,11 @@ path::Run finished(path::Run run) {
     return run;
 }
 
-/// Rows along X over z = 3 sin(x/12) cos(y/15), tool normal to it, 0.5 mm between rows; 3 decimals as posts write them.
-path::Run sine_surface(double step_mm, int blocks) {
+/// Rows along X over z = 3 sin(x/12) cos(y/15), tool normal to it, 0.5 mm between rows; coordinates rounded to
+/// `digit_mm`.
+path::Run sine_surface(double step_mm, int blocks, double digit_mm) {
     path::Run run;
-    const auto decimals = [](double x) { return std::round(x * 1e3) / 1e3; };
+    const auto decimals = [digit_mm](double x) { return std::round(x / digit_mm) * digit_mm; };
     const int per_row = static_cast<int>(80 / step_mm);
     for (int i = 0; i <= blocks; ++i) {
         const int row = i / per_row, along = i % per_row;
@@ -51,9 +52,31 @@ void smooth_blocks(benchmark::State& state, const path::Run& run) {
 }
 
 void dense_rows(benchmark::State& state) {
-    smooth_blocks(state, sine_surface(1e-3 * static_cast<double>(state.range(0)), 10000));
+    smooth_blocks(state, sine_surface(1e-3 * static_cast<double>(state.range(0)), 10000, 1e-3));
 }
 BENCHMARK(dense_rows)->ArgName("step_um")->Arg(20)->Arg(50)->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+/// Far more vertices than digits that posts write: what a neighbour costs shows.
+void tiny_blocks(benchmark::State& state) {
+    smooth_blocks(state, sine_surface(1e-3 * static_cast<double>(state.range(0)), 30000, 1e-7));
+}
+BENCHMARK(tiny_blocks)->ArgName("step_um")->Arg(1)->Arg(3)->Arg(10)->Arg(30)->Unit(benchmark::kMillisecond);
+
+/// A ruled surface as CAM systems write it: blocks of 0.3 to 1.2 mm, the tool turning 0.5° in each, every twentieth
+/// vertex an edge of 20°.
+void edges_in_rows(benchmark::State& state) {
+    path::Run run;
+    double heading = 0, x = 0, y = 0;
+    for (int i = 0; i <= 5000; ++i) {
+        const double lean = 0.3 * std::sin(0.0087 * i / 0.3), length = 0.75 + 0.45 * std::sin(1.7 * i);
+        run.vertices.push_back({{x, y, 0}, {std::sin(lean), 0, std::cos(lean)}});
+        heading += i % 20 == 10 ? (i % 40 == 10 ? 0.35 : -0.35) : 0.01 * std::sin(0.1 * i);
+        x += length * std::cos(heading);
+        y += length * std::sin(heading);
+    }
+    smooth_blocks(state, finished(std::move(run)));
+}
+BENCHMARK(edges_in_rows)->Unit(benchmark::kMillisecond);
 
 void lone_corners(benchmark::State& state) {
     path::Run run;

@@ -36,6 +36,9 @@ void JobOptions::add_planning_to(CLI::App& command) {
             "smooth: corners and dense blocks alike; beudaert: every corner on its own; none: exact stop at each")
         ->check(CLI::IsMember({"smooth", "beudaert", "none"}))
         ->capture_default_str();
+    command.add_option("--corners", corners, "that stand alone, with smooth rounding: as the rest, or by beudaert")
+        ->check(CLI::IsMember({"smooth", "beudaert"}))
+        ->capture_default_str();
     command
         .add_option("--link", link,
                     "of tip and orientation in a corner rounded by beudaert; linear: as controls do, for comparison")
@@ -92,6 +95,7 @@ Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
     pipeline::PlanOptions out;
     auto& smoothing = out.smoothing;
     smoothing.rounding = rounding_of(job.rounding);
+    if (job.corners == "beudaert") smoothing.corners = smoothing::Corners::beudaert;
     smoothing.link = job.link == "linear" ? smoothing::Link::linear : smoothing::Link::optimised;
     double feed_mm_s = 0;
     const Result<void> parts[] = {
@@ -110,6 +114,7 @@ Result<pipeline::PlanOptions> plan_options(const JobOptions& job) {
         set(feed_mm_s, "--feed", job.feed, dimension::velocity)};
     for (const auto& part : parts)
         if (!part) return fail(part.error());
+    if (!job.flank_tolerance.empty() && smoothing.flank_tolerance_mm == 0) smoothing.orientation_tolerance_rad = 0;
     if (!job.feed.empty()) out.feed_mm_s = feed_mm_s;
     out.feed.calm = job.calm;
     const auto threads = thread_count(job.threads);

@@ -17,8 +17,8 @@ namespace trunnion::app {
 struct JobOptions {
     std::string program, machine, setup, units, dialect;
     std::string tip_tolerance = "0.02 mm", orientation_tolerance = "0.1 deg", flank_tolerance, flank_height = "30 mm";
-    std::string rounding = "smooth", link = "optimised", feed_override = "100%", feed, jerk_margin = "0%",
-                period = "1ms";
+    std::string rounding = "smooth", corners = "smooth", link = "optimised", feed_override = "100%", feed,
+                jerk_margin = "0%", period = "1ms";
     std::string chord_error, tip_acceleration, tip_jerk, tool_turn, threads = "1";
     double calm = 0.001;
     bool worth = false, quiet = false;

@@ -7,6 +7,7 @@
 
 #include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/plan_files.hpp"
+#include "trunnion/smoothing/pole_tolerance.hpp"
 #include "trunnion/verify/programmed_csv.hpp"
 
 #include "commands.hpp"
@@ -47,7 +48,8 @@ class ProgressLine {
 
 Result<void> write_programmed(const PlanCommand& command, const Job& job) {
     if (command.programmed.empty()) return {};
-    const auto stands = path::choose_rotary_stands(job.program, job.machine, job.setup);
+    const auto stands = path::choose_rotary_stands(job.program, job.machine, job.setup,
+                                                   smoothing::pole_tolerance_rad(job.options.smoothing));
     if (!stands) return fail(stands.error());
     auto poses = verify::programmed_poses(job.program, job.machine, job.setup, *stands);
     if (!poses) return fail(poses.error());

@@ -9,6 +9,7 @@
 #include "trunnion/base/quantity.hpp"
 
 #include "detail/branch_following.hpp"
+#include "detail/pole_piece.hpp"
 
 namespace trunnion::path {
 
@@ -51,6 +52,33 @@ double largest_distance_from_chord(const Taylor3& from, const Taylor3& to, doubl
         out = std::max({out, std::abs(near_from - rise * j / 7), std::abs(near_to + rise * j / 7)});
     }
     return out;
+}
+
+/// Along a piece that begins or ends at the pole its own series tell where the axes are, at the pole too.
+template <class IsReached, class OnStation>
+std::expected<Followed, detail::Lost> follow_beside_pole(const machine::Kinematics& kinematics,
+                                                         const detail::PolePiece& piece, const IsReached& is_reached,
+                                                         double from, double to, const Followed& at_from,
+                                                         const OnStation& on_station) {
+    const auto after = [&](double offset, const Followed& before) {
+        const RotarySeries at = piece.rotary(kinematics, offset, before.rotary_rad);
+        return Followed{{at[0].value(), at[1].value()}};
+    };
+    const auto continues = [&](const Followed& a, const Followed& b) {
+        return detail::largest_turn(a.rotary_rad, b.rotary_rad) < station_turn_rad / 2;
+    };
+    const double middle = 0.5 * (from + to);
+    const Followed at_middle = after(middle, at_from), at_end = after(to, at_middle);
+    if (!is_reached(to)) return std::unexpected(detail::Lost{detail::Lost::Why::out_of_reach, to});
+    if (continues(at_from, at_middle) && continues(at_middle, at_end)) {
+        on_station(to, at_end);
+        return at_end;
+    }
+    if (to - from < shortest_station_mm)
+        return std::unexpected(detail::Lost{detail::Lost::Why::too_close_to_pole, from});
+    const auto half = follow_beside_pole(kinematics, piece, is_reached, from, middle, at_from, on_station);
+    if (!half) return half;
+    return follow_beside_pole(kinematics, piece, is_reached, middle, to, *half, on_station);
 }
 
 }  // namespace
@@ -118,15 +146,21 @@ Result<void> AxisPath::follow(const RotaryPosition& near) {
         if (i > 0) add({i, 0}, at);
         first_station_of_piece_.push_back(stations_.size() - 1);
         const auto solutions_at = [&](double offset) { return solutions({i, offset}); };
+        const auto is_reached = [&](double offset) { return solutions({i, offset}).count > 0; };
         const auto on_station = [&](double offset, const Followed& followed) { add({i, offset}, followed); };
-        const auto followed = detail::follow(*path_->kinematics, solutions_at, 0, path_->pieces[i].length_mm, at,
-                                             {station_turn_rad / 2, shortest_station_mm}, on_station);
+        const double length = path_->pieces[i].length_mm;
+        const detail::PolePiece* beside_pole = pole_piece(i);
+        const auto followed =
+            beside_pole ? follow_beside_pole(*path_->kinematics, *beside_pole, is_reached, 0, length, at, on_station)
+                        : detail::follow(*path_->kinematics, solutions_at, 0, length, at,
+                                         {station_turn_rad / 2, shortest_station_mm}, on_station);
         if (!followed) {
             const PathPlace place{i, followed.error().at};
             const bool out = followed.error().why == detail::Lost::Why::out_of_reach;
             return fail(out ? out_of_reach(place) : too_close_to_pole(place));
         }
         at = *followed;
+        if (beside_pole) at = *detail::solution_after(*path_->kinematics, solutions({i, length}), at, 0);
     }
     return {};
 }
@@ -199,6 +233,7 @@ Result<void> AxisPath::check_ranges() const {
 Result<AxisPath> AxisPath::make(const ToolPath& path, const machine::Machine& machine, const RotaryPosition& near) {
     AxisPath out(path, machine);
     if (out.follows_vectors()) {
+        out.find_pole_pieces();
         if (auto followed = out.follow(near); !followed) return fail(followed.error());
     } else {
         if (auto reached = out.check_reach(); !reached) return fail(reached.error());
@@ -226,6 +261,29 @@ RotaryPosition AxisPath::reference(PathPlace place) const noexcept {
     return {a[0] + w * (b[0] - a[0]), a[1] + w * (b[1] - a[1])};
 }
 
+void AxisPath::find_pole_pieces() {
+    const auto poles = poles_of(*path_->kinematics);
+    std::vector<detail::PolePiece> found;
+    for (std::size_t i = 0; i < path_->pieces.size() && !poles.empty(); ++i)
+        if (auto piece = detail::PolePiece::make(i, path_->pieces[i], *path_->kinematics, poles))
+            found.push_back(*piece);
+    if (!found.empty()) pole_pieces_ = std::make_shared<const std::vector<detail::PolePiece>>(std::move(found));
+}
+
+const detail::PolePiece* AxisPath::pole_piece(std::size_t index) const noexcept {
+    if (!pole_pieces_) return nullptr;
+    const auto piece = std::lower_bound(pole_pieces_->begin(), pole_pieces_->end(), index,
+                                        [](const detail::PolePiece& p, std::size_t i) { return p.index() < i; });
+    return piece != pole_pieces_->end() && piece->index() == index ? &*piece : nullptr;
+}
+
+RotarySeries AxisPath::rotary_at(PathPlace place, const VectorSeries& axis) const noexcept {
+    const RotaryPosition near = reference(place);
+    if (const detail::PolePiece* piece = pole_piece(place.piece))
+        return piece->rotary(*path_->kinematics, place.offset_mm, near);
+    return path_->kinematics->rotary_series(axis, near);
+}
+
 void AxisPath::evaluate(PathPlace place, AxisSample& sample) const noexcept {
     const auto series = path::evaluate(path_->pieces[place.piece], place.offset_mm);
     const VectorSeries position{series[0], series[1], series[2]};
@@ -235,7 +293,7 @@ void AxisPath::evaluate(PathPlace place, AxisSample& sample) const noexcept {
     if (path_->law == OrientationLaw::vector && path_->space == Space::workpiece) {
         sample.tool_axis = normalised({series[3], series[4], series[5]});
         sample.turn_rate = rate_of(sample.tool_axis);
-        rotary = follows_vectors() ? kinematics.rotary_series(sample.tool_axis, reference(place)) : RotarySeries{};
+        rotary = follows_vectors() ? rotary_at(place, sample.tool_axis) : RotarySeries{};
     } else {
         sample.tool_axis = kinematics.tool_axis(rotary);
         sample.turn_rate = std::hypot(rotary[0].d1(), rotary[1].d1());

@@ -42,6 +42,21 @@ Space space_of_run(Space space) {
     return space == Space::workpiece ? Space::workpiece : Space::machine;
 }
 
+/// Where the blocks from one vertex to another come nearest to a pole.
+PolePassage passage_between(const Run& run, std::size_t from, std::size_t to) {
+    PolePassage out;
+    double least = 2;
+    for (const Eigen::Vector3d& pole : poles_of(*run.kinematics))
+        for (std::size_t k = from; k < to; ++k) {
+            const auto nearest = nearest_to_pole(to_vector(run.vertices[k].orientation),
+                                                 to_vector(run.vertices[k + 1].orientation), pole);
+            if (nearest.distance() >= least) continue;
+            least = nearest.distance();
+            out = {k, nearest.share, pole};
+        }
+    return out;
+}
+
 }  // namespace
 
 PathBuilder::PathBuilder(PathBuilder&&) noexcept = default;
@@ -232,6 +247,26 @@ void PathBuilder::stand_where_it_leaves_the_pole(Run& run) const {
         run.stands[k] = detail::solution_of(*run.kinematics, solutions(k), 0, at->rotary_rad).rotary_rad;
 }
 
+/// Where the stands change to the other branch from one pose to the next that is off the pole.
+void PathBuilder::find_passages(Run& run) const {
+    if (run.law != OrientationLaw::vector || run.rapid || machine_->rotary_count < 2) return;
+    int last_branch = detail::unknown_branch;
+    std::size_t last = 0;
+    for (std::size_t k = 0; k < run.vertices.size(); ++k) {
+        const auto solutions = run.kinematics->rotary_for(to_vector(run.vertices[k].orientation));
+        if (solutions.count < 2) continue;
+        const auto way_to = [&](int branch) {
+            const auto there = detail::solution_of(*run.kinematics, solutions, branch, run.stands[k]).rotary_rad;
+            return std::abs(there[0] - run.stands[k][0]) + std::abs(there[1] - run.stands[k][1]);
+        };
+        const int branch = way_to(0) <= way_to(1) ? 0 : 1;
+        if (last_branch != detail::unknown_branch && branch != last_branch)
+            run.passages.push_back(passage_between(run, last, k));
+        last_branch = branch;
+        last = k;
+    }
+}
+
 /// What cuts the path between moves[move − 1] and moves[move]; `corner`: nothing does.
 StopCause PathBuilder::stop_before(std::size_t move) const {
     const StopCause cause = detail::stop_between(*program_, move);
@@ -256,6 +291,7 @@ Result<bool> PathBuilder::next(Run& run) {
         if (move_ == program_->moves.size()) take_events(run);
         if (run.blocks.empty()) continue;
         stand_where_it_leaves_the_pole(run);
+        find_passages(run);
         return true;
     }
     return false;

@@ -18,6 +18,18 @@ Result<ToolPose> VectorWay::end_of(std::size_t move, const Eigen::Vector3d& tip_
     return ToolPose{out_of_offset(*in->offset, position), in->offset->rotation * to.axis};
 }
 
+Result<PosesBetween> VectorWay::between(std::size_t move, const ToolPose& from, const ToolPose& to) const {
+    if (geometry::angle_between(from.axis, to.axis) > opposite_rad) return fail(half_a_turn(move));
+    const program::Move& of = program_->moves[move];
+    if (of.arc == program::no_arc) return PosesBetween(from, to, std::nullopt);
+    auto in = surroundings_->of(of);
+    if (!in) return fail(in.error());
+    const program::Arc& arc = program_->arcs[static_cast<std::size_t>(of.arc)];
+    return PosesBetween(from, to,
+                        geometry::Helix(from.tip_mm, to.tip_mm, out_of_offset(*in->offset, arc.centre_mm),
+                                        in->offset->rotation * arc.normal, arc.angle_rad));
+}
+
 Result<RotarySolutions> VectorWay::solutions_at_end(std::size_t move) const {
     const program::Move& to = program_->moves[move];
     auto in = surroundings_->of(to);
@@ -60,6 +72,10 @@ Diagnostic VectorWay::lost(std::size_t move, const Lost& lost) const {
         out.text += ", or to one on the way there";
         return out;
     }
+    return too_close_to_pole(move);
+}
+
+Diagnostic VectorWay::too_close_to_pole(std::size_t move) const {
     auto out = at_move(*program_, program_->moves[move], "PATH0103",
                        "the tool axis passes the pole too closely for the rotary axes to follow");
     out.hint = "turn the part on the table, or lead the tool a little to one side";

@@ -6,6 +6,7 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/output_file.hpp"
 #include "trunnion/path/rotary_stands.hpp"
+#include "trunnion/smoothing/pole_tolerance.hpp"
 #include "trunnion/verify/programmed_path.hpp"
 #include "trunnion/verify/setpoint_table.hpp"
 
@@ -20,7 +21,7 @@ Result<verify::Verdict> check_setpoints(const std::filesystem::path& setpoints, 
     if (!text) return fail(text.error());
     auto table = verify::read_setpoint_csv(*text, machine, setpoints.string());
     if (!table) return fail(table.error());
-    const auto stands = path::choose_rotary_stands(program, machine, setup);
+    const auto stands = path::choose_rotary_stands(program, machine, setup, smoothing::pole_tolerance_rad(tolerances));
     if (!stands) return fail(stands.error());
     auto poses = verify::programmed_poses(program, machine, setup, *stands);
     if (!poses) return fail(poses.error());

@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 
 #include "trunnion/path/rotary_stands.hpp"
+#include "trunnion/smoothing/pole_tolerance.hpp"
 
 #include "detail/motion_stage.hpp"
 #include "detail/run_ahead.hpp"
@@ -68,10 +69,11 @@ Result<void> check_options(const PlanOptions& options) {
     if (!positive(options.period_s)) return bad("the period must be longer than 0");
     if (!positive(options.feed_override)) return bad("the feed override must be more than 0");
     if (options.feed_mm_s && !positive(*options.feed_mm_s)) return bad("the feed must be more than 0");
-    if (!positive(options.smoothing.tip_tolerance_mm)) return bad("the tip tolerance must be more than 0");
-    if (!positive(options.smoothing.orientation_tolerance_rad))
-        return bad("the orientation tolerance must be more than 0");
-    if (!(options.smoothing.flank_tolerance_mm >= 0)) return bad("the flank tolerance must be more than 0");
+    const auto tolerance = [](double x) { return std::isfinite(x) && x >= 0; };
+    if (!tolerance(options.smoothing.tip_tolerance_mm)) return bad("the tip tolerance must not be below 0");
+    if (!tolerance(options.smoothing.orientation_tolerance_rad))
+        return bad("the orientation tolerance must not be below 0");
+    if (!tolerance(options.smoothing.flank_tolerance_mm)) return bad("the flank tolerance must not be below 0");
     if (!positive(options.smoothing.flank_height_mm)) return bad("the flank height must be more than 0");
     if (options.threads != 1 && options.threads != 2)
         return bad(fmt::format("planning runs on 1 or 2 threads, not on {}", options.threads));
@@ -94,8 +96,12 @@ Result<Summary> plan(const program::Program& program, const machine::Machine& ma
     if (auto good = check_options(options); !good) return fail(good.error());
     const auto start = std::chrono::steady_clock::now();
     PlanOptions used = options;
+    const bool exact = smoothing::follows_exactly(used.smoothing);
+    const bool told = exact && used.smoothing.rounding != smoothing::Rounding::none;
+    if (exact) used.smoothing.rounding = smoothing::Rounding::none;
     used.feed.period_s = options.period_s;
-    const auto stands = path::choose_rotary_stands(program, machine, setup);
+    const auto stands =
+        path::choose_rotary_stands(program, machine, setup, smoothing::pole_tolerance_rad(used.smoothing));
     if (!stands) return fail(stands.error());
     auto summary = plan_with_worth({program, machine, setup, used, *stands}, observer);
     if (!summary) return summary;
@@ -104,6 +110,10 @@ Result<Summary> plan(const program::Program& program, const machine::Machine& ma
     summary->machine = machine.name;
     summary->setup = setup.file;
     summary->diagnostics.insert(summary->diagnostics.begin(), program.diagnostics.begin(), program.diagnostics.end());
+    if (told)
+        summary->diagnostics.push_back({.code = "PIPE0104",
+                                        .severity = Severity::warning,
+                                        .text = "a tolerance of 0 leaves nothing to round: exact stop at every corner"});
     summary->work.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summary->work.peak_memory_mb = peak_memory_mb();
     return summary;

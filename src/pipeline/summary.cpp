@@ -16,6 +16,7 @@ namespace {
 
 constexpr double allowed_ratio = 1.001;
 constexpr double allowed_deviation = 1 + 1e-6;
+constexpr double rounding_deviation = 1e-9;  // mm or rad, of what is followed exactly
 constexpr double worth_telling_s = 1e-3;
 
 ordered_json diagnostics_json(const std::vector<Diagnostic>& diagnostics) {
@@ -87,8 +88,8 @@ ordered_json options_json(const PlanOptions& options) {
             {"flank_tolerance_mm", smoothing.flank_tolerance_mm},
             {"flank_height_mm", smoothing.flank_height_mm},
             {"rounding", name_of(smoothing.rounding)},
-            {"link", smoothing.rounding == smoothing::Rounding::beudaert ? ordered_json(name_of(smoothing.link))
-                                                                         : ordered_json(nullptr)},
+            {"corners", smoothing.corners == smoothing::Corners::beudaert ? "beudaert" : "smooth"},
+            {"link", name_of(smoothing.link)},
             {"calm", feed.calm},
             {"feed_override", options.feed_override},
             {"feed_mm_min", options.feed_mm_s ? ordered_json(*options.feed_mm_s * 60) : ordered_json(nullptr)},
@@ -148,10 +149,13 @@ bool Summary::usable() const {
         return std::max({a.velocity_ratio, a.acceleration_ratio, a.jerk_ratio}) <= allowed_ratio;
     });
     const auto& given = options.smoothing;
+    const auto held = [](double deviation, double tolerance) {
+        return deviation <= tolerance * allowed_deviation + rounding_deviation;
+    };
     const bool orientation = given.flank_tolerance_mm > 0
-                                 ? height_deviation_mm <= given.flank_tolerance_mm * allowed_deviation
-                                 : orientation_deviation_rad <= given.orientation_tolerance_rad * allowed_deviation;
-    return limits && orientation && tip_deviation_mm <= given.tip_tolerance_mm * allowed_deviation;
+                                 ? held(height_deviation_mm, given.flank_tolerance_mm)
+                                 : held(orientation_deviation_rad, given.orientation_tolerance_rad);
+    return limits && orientation && held(tip_deviation_mm, given.tip_tolerance_mm);
 }
 
 std::string Summary::report() const {

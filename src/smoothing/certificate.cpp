@@ -98,8 +98,9 @@ Certificate certify(const path::Run& run, const Curve& curve, const Section& sec
         const path::PathPiece& piece = section.pieces[i];
         const double piece_end = i + 1 < section.pieces.size() ? section.pieces[i + 1].begin_mm : section.length_mm;
         Bernstein rest = bernstein(piece);
-        if (!is_regular(rest, piece.length_mm, lever_index, curve.lever(block))) out.irregular.push_back(block);
+        const bool regular = is_regular(rest, piece.length_mm, lever_index, curve.lever(block));
         for (bool piece_ends = false; !piece_ends;) {
+            if (!regular) out.irregular.push_back(block);
             const double block_end = block_begin + bumps.gap[block];
             const double end = std::min(piece_end, block_end);
             piece_ends = end == piece_end;

@@ -20,7 +20,10 @@ void widen(Extent& a, const Extent& b) {
 }
 
 DeviationHull::DeviationHull(const path::Run& run, const Measure& measure, const Polyline& line)
-    : run_(run), measure_(measure), lever_axis_(lever_axis(run)) {
+    : run_(run),
+      measure_(measure),
+      lever_axis_(lever_axis(run)),
+      has_frames_(!measure.vectors() && run.kinematics && run.kinematics->rotary_count() > 0) {
     const double turn = line.largest_turn_rad;
     sideways_ = chord_sideways * turn * turn * turn;
     chord_error_mm_ = 1.01 * line.chord_error_mm;  // and what it is off along the chord
@@ -70,6 +73,60 @@ double DeviationHull::lever_beside(const Bernstein& d, double lever) const {
     return std::min(1.0, lever + largest);
 }
 
+DeviationHull::Frame DeviationHull::frame(const Coordinates& at) const {
+    const machine::Kinematics& kinematics = *run_.kinematics;
+    const bool in_machine = run_.space == path::Space::machine;
+    Frame out;
+    out.tip.setZero();
+    out.axis.setZero();
+    if (!in_machine) out.tip.leftCols<3>().setIdentity();
+    for (int k = in_machine ? 0 : 3; k < 5; ++k) {
+        std::array<Taylor3, 5> q;
+        for (int i = 0; i < 5; ++i) q[i] = Taylor3(at[i], i == k ? 1 : 0, 0, 0);
+        const machine::RotarySeries rotary{q[3], q[4]};
+        const machine::VectorSeries axis = kinematics.tool_axis(rotary);
+        const machine::VectorSeries tip =
+            in_machine ? kinematics.tip_for({q[0], q[1], q[2]}, rotary) : machine::VectorSeries{};
+        for (int i = 0; i < 3; ++i) {
+            out.axis(i, k) = axis[i].d1();
+            if (in_machine) out.tip(i, k) = tip[i].d1();
+        }
+    }
+    return out;
+}
+
+double DeviationHull::point(const Frame& frame, const Coordinates& d, double height_mm) const {
+    return (frame.tip * d + height_mm * (frame.axis * d)).norm();
+}
+
+/// What a frame leaves out over a cell whose blocks turn by `step`: the frame turns by at most half of that, and with
+/// the deviation itself.
+double DeviationHull::beyond_frame(const Bernstein& d, const Coordinates& step, double height_mm) const {
+    const double half_turn = 0.5 * step.tail<3>().lpNorm<1>();
+    const double arm = height_mm + measure_.arm_mm();
+    double turn = 0, way = 0;
+    for (const Coordinates& x : d) {
+        turn = std::max(turn, x.tail<3>().lpNorm<1>());
+        way = std::max(way, x.head<3>().norm());
+    }
+    if (run_.space != path::Space::machine) way = 0;
+    return (half_turn + 0.5 * turn) * arm * turn + (half_turn + turn) * way;
+}
+
+/// Tip and tool move points of the flank together: in the same direction they add, in opposite ones they do not.
+void DeviationHull::sharpen(Extent& hull, Extent& ends, const Bernstein& d, const Coordinates& from,
+                            const Coordinates& to) const {
+    const Frame at = frame(0.5 * (from + to));
+    const auto sharper = [&](double& largest, double& at_ends, double height_mm) {
+        double linear = 0;
+        for (const Coordinates& x : d) linear = std::max(linear, point(at, x, height_mm));
+        largest = std::min(largest, linear + beyond_frame(d, to - from, height_mm));
+        at_ends = std::min(at_ends, std::max(point(at, d[0], height_mm), point(at, d[7], height_mm)));
+    };
+    sharper(hull.tip, ends.tip, measure_.controlled_height_mm());
+    sharper(hull.height, ends.height, measure_.flank_height_mm());
+}
+
 Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, const Coordinates& to, double block_lever,
                            int depth) {
     Bernstein d;
@@ -78,9 +135,10 @@ Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, cons
     const double lever = lever_beside(d, block_lever);
     Extent ends = measured(d[0], lever);
     widen(ends, measured(d[7], lever));
-    widen(seen_, ends);
     Extent hull = ends;
     for (int k = 1; k < 7; ++k) widen(hull, measured(d[k], lever));
+    if (has_frames_) sharpen(hull, ends, d, from, to);
+    widen(seen_, ends);
     hull.tip += measure_.controlled_height_mm() * beyond + chord_error_mm_;
     hull.turn += beyond;
     hull.height += measure_.flank_height_mm() * beyond + chord_error_mm_;

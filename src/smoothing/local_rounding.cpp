@@ -26,15 +26,17 @@ Division division(const Measure& measure, const SmoothingOptions& options) {
 
 class LocalRounding {
   public:
-    LocalRounding(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out)
+    LocalRounding(const path::Run& run, VertexRange range, const SmoothingOptions& options,
+                  std::vector<path::ToolPath>& out)
         : run_(run),
           options_(options),
-          measure_(run, {0, run.blocks.size()}, options),
-          line_(make_polyline(run, {0, run.blocks.size()}, division(measure_, options))),
+          measure_(run, range, options),
+          line_(make_polyline(run, range, division(measure_, options))),
           hull_(run, measure_, line_),
-          out_(out) {}
+          out_(out),
+          run_block_(range.first) {}
 
-    void work() {
+    void work(path::StopCause stop) {
         open();
         double taken = 0;  // of the block, by the corner at its begin
         for (std::size_t b = 0; b < line_.blocks(); ++b) {
@@ -47,7 +49,7 @@ class LocalRounding {
             else if (!last)
                 pass(b + 1);
         }
-        close(run_.stop);
+        close(stop);
     }
 
   private:
@@ -153,13 +155,14 @@ class LocalRounding {
     DeviationHull hull_;
     std::vector<path::ToolPath>& out_;
     path::ToolPath path_;
-    std::size_t run_block_ = 0;
+    std::size_t run_block_;
 };
 
 }  // namespace
 
-void round_locally(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out) {
-    LocalRounding(run, options, out).work();
+void round_locally(const path::Run& run, VertexRange range, path::StopCause stop, const SmoothingOptions& options,
+                   std::vector<path::ToolPath>& out) {
+    LocalRounding(run, range, options, out).work(stop);
 }
 
 }  // namespace trunnion::smoothing

@@ -75,11 +75,23 @@ double Measure::use(const Coordinates& d, double lever) const {
                   flank ? point(d, lever, options_.flank_height_mm) : 0);
 }
 
-double Measure::product(const Coordinates& a, const Coordinates& b, double lever) const {
-    Coordinates weighed = b;
-    if (lever_axis_ >= 0) weighed[lever_axis_] *= lever * lever;
+Coordinates Measure::metric(double lever) const {
     const double height = options_.flank_height_mm;
-    return a.head<3>().dot(b.head<3>()) + height * height * a.tail<3>().dot(weighed.tail<3>());
+    Coordinates weight;
+    weight << 1, 1, 1, Eigen::Vector3d::Constant(height * height);
+    if (lever_axis_ >= 0) weight[lever_axis_] *= lever * lever;
+    return weight;
+}
+
+double Measure::nearness_square() const {
+    const double of_turn = options_.flank_height_mm * turn_tolerance_rad();
+    double nearness = std::min(options_.tip_tolerance_mm, of_turn);
+    // The point up the tool moves by tip and turn together: at most by √2 of their length.
+    if (options_.flank_tolerance_mm > 0)
+        nearness = std::min(nearness, options_.flank_tolerance_mm / std::numbers::sqrt2);
+    if (options_.controlled_height_mm > 0)
+        nearness *= options_.flank_height_mm / std::hypot(options_.flank_height_mm, options_.controlled_height_mm);
+    return nearness * nearness;
 }
 
 double Measure::use_of(double tip_mm, double turn_rad, double height_mm) const {

@@ -114,7 +114,7 @@ class CornerCurves {
         std::array<Coordinates, 4> q;
         for (int k = 0; k < 4; ++k) {
             q[k] = bottom[k];
-            q[k].tail<3>() = top_point_->orientation(top[k], bottom[k].head<3>());
+            if (turns_) q[k].tail<3>() = top_point_->orientation(top[k], bottom[k].head<3>());
         }
         const auto by_p = composed(q, inverse_step(place(u, half)));
         return {by_p[0], by_p[1], 2 * by_p[2], 6 * by_p[3]};
@@ -162,6 +162,7 @@ class CornerCurves {
     const TopPoint* top_point_;
     ParameterLink place_ = ParameterLink::linear();
     std::optional<ParameterLink> turn_;  // nothing: the linear link
+    bool turns_ = true;                  // else the orientation stays what it is, exactly
     std::array<double, 2> reach_mm_{};
 };
 
@@ -196,6 +197,7 @@ std::optional<CornerCurves> CornerCurves::make(const CornerLegs& legs, const Top
     inner.top_mm = std::min({inner.top_mm, top_outer[0] / least_top_ratio, top_outer[1] / least_top_ratio});
 
     CornerCurves out(polygon(tip_leg, inner.bottom_mm, outer), polygon(top_leg, inner.top_mm, top_outer), top_point);
+    out.turns_ = legs.to_neighbour[0].tail<3>().norm() + legs.to_neighbour[1].tail<3>().norm() > 0;
     out.reach_mm_ = {outer[0] * p_rate[0], outer[1] * p_rate[1]};
     const double length = out.bottom_length_.total_mm();
     const auto place = unbent(p_rate, out.length_mm(), length);

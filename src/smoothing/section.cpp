@@ -1,7 +1,9 @@
 #include "detail/section.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "detail/septic.hpp"
@@ -19,6 +21,12 @@ constexpr int most_halvings = 40;
 /// Where a bump lies in the section.
 struct Support {
     double begin_mm, end_mm, width_mm;
+};
+
+/// Supports that overlap or nearly do, in order; away from islands the curve is the programmed line.
+struct Island {
+    double begin_mm, end_mm;
+    std::size_t first, behind;
 };
 
 struct Station {
@@ -39,8 +47,14 @@ class Representation {
         section_.pieces.clear();
         section_.length_mm = block_begin_.back();
         collect_supports();
-        const Station begin = vertex_station(section_.first), end = vertex_station(section_.last);
-        refine(begin, end, 0, 0);
+        Station here = vertex_station(section_.first);
+        const Station end = vertex_station(section_.last);
+        for (const Island& island : islands()) {
+            if (island.begin_mm > here.at_mm) here = refined(here, station_at_sea(island.begin_mm), 0, 0);
+            const Station behind = island.end_mm < section_.length_mm ? station_at_sea(island.end_mm) : end;
+            here = refined(here, behind, island.first, island.behind);
+        }
+        if (here.at_mm < section_.length_mm) refined(here, end, 0, 0);
     }
 
   private:
@@ -64,6 +78,13 @@ class Representation {
         return {where, at_mm, bumps_.jet(where)};
     }
 
+    /// Where no bump is: at its very end a bump's rounding would be felt along the long piece that begins there.
+    Station station_at_sea(double at_mm) const {
+        const Place where = place(at_mm);
+        return {where, at_mm,
+                Jet{Coordinates::Zero(), bumps_.slope[where.block], Coordinates::Zero(), Coordinates::Zero()}};
+    }
+
     /// P(to) − P(from), summed along the way.
     Coordinates way(Place from, Place to) const {
         if (from.block == to.block) return bumps_.slope[from.block] * (to.offset_mm - from.offset_mm);
@@ -85,6 +106,31 @@ class Representation {
             add(j, middle - d, 1 - bumps_.corner_share[j], bumps_.curve_width[j]);
             add(j, middle - d, bumps_.corner_share[j], bumps_.corner_width[j]);
         });
+        std::sort(supports_.begin(), supports_.end(),
+                  [](const Support& a, const Support& b) { return a.begin_mm < b.begin_mm; });
+    }
+
+    /// Islands at least a piece's length apart from each other and from the section's ends, or right there.
+    std::vector<Island> islands() const {
+        std::vector<Island> islands;
+        double margin = 0;  // of the island's bump that reaches farthest
+        for (std::size_t i = 0; i < supports_.size(); ++i) {
+            const Support& s = supports_[i];
+            const double own = piece_per_width * s.width_mm;
+            const double sea_from = islands.empty() ? 0 : islands.back().end_mm;
+            if (islands.empty() || s.begin_mm > sea_from + std::max(margin, own)) {
+                islands.push_back({islands.empty() && s.begin_mm <= own ? 0 : s.begin_mm, s.end_mm, i, i + 1});
+                margin = own;
+                continue;
+            }
+            islands.back().behind = i + 1;
+            if (s.end_mm <= sea_from) continue;
+            islands.back().end_mm = s.end_mm;
+            margin = own;
+        }
+        if (!islands.empty() && islands.back().end_mm + margin >= section_.length_mm)
+            islands.back().end_mm = section_.length_mm;
+        return islands;
     }
 
     /// Appends those of supports_[from …] that touch the interval; returns the narrowest width.
@@ -92,17 +138,24 @@ class Representation {
         double narrowest = std::numeric_limits<double>::infinity();
         for (std::size_t i = from; i < to; ++i) {
             const Support s = supports_[i];
-            if (s.end_mm <= begin_mm || s.begin_mm >= end_mm) continue;
+            const double touch = 1e-9 * s.width_mm;
+            if (s.end_mm <= begin_mm + touch || s.begin_mm >= end_mm - touch) continue;
             supports_.push_back(s);
             narrowest = std::min(narrowest, s.width_mm);
         }
         return narrowest;
     }
 
-    void refine(const Station& a, const Station& b, std::size_t supports_from, int depth) {
+    /// Appends the pieces between two stations, on which supports_[first … behind) lie; returns the second.
+    Station refined(const Station& a, const Station& b, std::size_t first, std::size_t behind) {
+        refine(a, b, first, behind, 0);
+        return b;
+    }
+
+    void refine(const Station& a, const Station& b, std::size_t first, std::size_t behind, int depth) {
         const std::size_t mine = supports_.size();
         const double length = b.at_mm - a.at_mm;
-        const double narrowest = narrow_down(supports_from, mine, a.at_mm, b.at_mm);
+        const double narrowest = narrow_down(first, behind, a.at_mm, b.at_mm);
         const bool last = depth == most_halvings || !(length > 1e-9 * narrowest);
         if (last || length <= piece_per_width * narrowest) {
             const path::PathPiece piece = between(a, b);
@@ -113,8 +166,9 @@ class Representation {
             }
         }
         const Station middle = station(0.5 * (a.at_mm + b.at_mm));
-        refine(a, middle, mine, depth + 1);
-        refine(middle, b, mine, depth + 1);
+        const std::size_t mine_end = supports_.size();
+        refine(a, middle, mine, mine_end, depth + 1);
+        refine(middle, b, mine, mine_end, depth + 1);
         supports_.resize(mine);
     }
 
@@ -142,18 +196,34 @@ class Representation {
     std::vector<Support> supports_;  // a stack: each interval puts its own on top
 };
 
+/// A number in [0, 1), evenly spread, that is drawn from a vertex's coordinates alone (mixing by SplitMix64).
+double lot(const Coordinates& vertex) {
+    std::uint64_t mixed = 0;
+    for (const double x : vertex) {
+        std::uint64_t z = mixed ^ std::bit_cast<std::uint64_t>(x + 0.0);  // −0 as 0
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+        mixed = (z ^ (z >> 31)) + 0x9e3779b97f4a7c15ULL;
+    }
+    return static_cast<double>(mixed >> 11) * 0x1p-53;
+}
+
 }  // namespace
 
 std::vector<Section> make_sections(const Curve& curve) {
     const Bumps& bumps = curve.bumps;
+    const double usual_mm = caps_per_section * bumps.cap_mm();
     std::vector<Section> sections;
     Section open{bumps.first(), bumps.first(), 0, {}};
-    for (std::size_t b = bumps.first(); b < bumps.last(); ++b) {
-        open.length_mm += bumps.gap[b];
-        open.last = b + 1;
-        if (open.length_mm < caps_per_section * bumps.cap_mm() && open.last != bumps.last()) continue;
+    for (std::size_t k = bumps.first() + 1; k <= bumps.last(); ++k) {
+        open.length_mm += bumps.gap[k - 1];
+        open.last = k;
+        const std::size_t vertex = k - bumps.first();
+        const bool cut = curve.line.programmed[vertex] >= 0 &&
+                         lot(curve.line.vertex[vertex]) * usual_mm < 0.5 * (bumps.gap[k - 1] + bumps.gap[k]);
+        if (!cut && k != bumps.last()) continue;
         sections.push_back(open);
-        open = {b + 1, b + 1, 0, {}};
+        open = {k, k, 0, {}};
     }
     return sections;
 }

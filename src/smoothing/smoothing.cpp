@@ -7,7 +7,9 @@
 #include "trunnion/smoothing/kernel.hpp"
 
 #include "detail/certificate.hpp"
+#include "detail/handing_over.hpp"
 #include "detail/local_rounding.hpp"
+#include "detail/pole.hpp"
 #include "detail/straight.hpp"
 
 namespace trunnion::smoothing {
@@ -15,7 +17,6 @@ namespace trunnion::smoothing {
 namespace {
 
 constexpr int narrowing_rounds = 24;
-constexpr double chord_part = 1.0 / 40;  // of the tip tolerance: an arc from its chords
 
 /// Where a run must stand still.
 struct Stop {
@@ -45,6 +46,10 @@ Kept without_doubled_points(const path::Run& run) {
         kept.block.push_back(i);
     }
     if (!kept.block.empty()) kept.run.vertices.back() = run.vertices.back();
+    for (path::PolePassage& passage : kept.run.passages) {
+        const auto block = std::lower_bound(kept.block.begin(), kept.block.end(), passage.block);
+        passage.block = std::min<std::size_t>(block - kept.block.begin(), kept.block.size() - 1);
+    }
     return kept;
 }
 
@@ -85,7 +90,7 @@ std::vector<Stop> lone_reversals(const path::Run& run, const SmoothingOptions& o
 class Smoother {
   public:
     Smoother(const path::Run& run, VertexRange range, const Measure& measure)
-        : run_(run), range_(range), curve_(make_polyline(run, range, division(measure)), measure) {}
+        : run_(run), range_(range), curve_(chords(run, range, measure), measure), poles_(run, range, measure) {}
 
     /// Stops that the stretch needs; none: it is smoothed.
     std::vector<Stop> work() {
@@ -123,13 +128,6 @@ class Smoother {
     }
 
   private:
-    /// So far a vector may turn and an arc bulge within a block: kinks so small that several of them share one width.
-    static Division division(const Measure& measure) {
-        constexpr double degree = std::numbers::pi / 180;
-        return {std::clamp(2 * measure.turn_tolerance_rad(), 0.2 * degree, 2 * degree),
-                std::clamp(measure.tip_tolerance_mm() * chord_part, 1e-5, 1e-3)};
-    }
-
     static void widen(path::DeviationBound& a, const path::DeviationBound& b) {
         a.tip_mm = std::max(a.tip_mm, b.tip_mm);
         a.orientation_rad = std::max(a.orientation_rad, b.orientation_rad);
@@ -137,9 +135,10 @@ class Smoother {
     }
 
     void prove() {
+        if (!poles_.empty()) lead_through_poles(poles_, curve_, plain_, sections_, stale_);
         for (std::size_t i = 0; i < sections_.size(); ++i) {
             if (!stale_[i]) continue;
-            represent(curve_, sections_[i]);
+            if (poles_.empty()) represent(curve_, sections_[i]);
             proofs_[i] = certify(run_, curve_, sections_[i]);
             stale_[i] = 0;
         }
@@ -155,6 +154,7 @@ class Smoother {
     std::vector<Excess> excess() const {
         std::vector<Excess> places;
         for (const Certificate& proof : proofs_) places.insert(places.end(), proof.excess.begin(), proof.excess.end());
+        poles_.blame_curve(curve_.bumps, places);
         return places;
     }
 
@@ -218,6 +218,8 @@ class Smoother {
     const path::Run& run_;
     VertexRange range_;
     Curve curve_;
+    PoleShifts poles_;
+    std::vector<Section> plain_;  // before poles_, where there are any
     std::vector<Section> sections_;
     std::vector<Certificate> proofs_;
     std::vector<char> stale_;
@@ -231,15 +233,29 @@ class RunSmoother {
     /// Smooths the parts between standstills.
     void between(VertexRange range, const std::vector<Stop>& stops, path::StopCause last) {
         for (const Stop& s : stops) {
-            smooth({range.first, s.vertex}, s.cause);
+            part({range.first, s.vertex}, s.cause);
             range.first = s.vertex;
         }
-        smooth(range, last);
+        part(range, last);
     }
 
   private:
+    void part(VertexRange range, path::StopCause stop) {
+        if (options_.corners == Corners::smooth || range.last == range.first + 1) return smooth(range, stop);
+        const auto smooth_between = [&](VertexRange within, path::StopCause cause, std::vector<path::ToolPath>& made) {
+            if (within.last == within.first + 1) return round_locally(run_, within, cause, options_, made);
+            SmoothingOptions all_alike = options_;
+            all_alike.corners = Corners::smooth;
+            RunSmoother(run_, all_alike, made).smooth(within, cause);
+        };
+        smooth_with_handed_corners(run_, range, stop, options_, smooth_between, out_);
+    }
+
     void smooth(VertexRange range, path::StopCause stop) {
-        if (range.last == range.first + 1) return append_straight(run_, range, stop, options_, out_);
+        if (range.last == range.first + 1) {
+            append_straight(run_, range, stop, options_, out_);
+            return lead_through_poles(run_, range, options_, out_.back());
+        }
         if (const std::vector<Stop> stops = attempt(range, stop); !stops.empty()) between(range, stops, stop);
     }
 
@@ -263,15 +279,16 @@ void keep_as_programmed(const path::Run& run, const SmoothingOptions& options, s
         first = s.vertex;
     }
     append_straight(run, {first, run.blocks.size()}, run.stop, options, out);
+    if (run.blocks.size() == 1) lead_through_poles(run, {0, 1}, options, out.back());
 }
 
-bool gives_nothing(const SmoothingOptions& options) {
+}  // namespace
+
+bool follows_exactly(const SmoothingOptions& options) {
     const double second =
         options.flank_tolerance_mm > 0 ? options.flank_tolerance_mm : options.orientation_tolerance_rad;
     return options.rounding == Rounding::none || !(options.tip_tolerance_mm > 0) || !(second > 0);
 }
-
-}  // namespace
 
 void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out) {
     if (has_doubled_points(run)) {
@@ -284,9 +301,10 @@ void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<p
         return;
     }
     if (run.blocks.empty()) return;
-    if (run.rapid || run.blocks.size() == 1 || gives_nothing(options)) return keep_as_programmed(run, options, out);
-    if (options.rounding == Rounding::beudaert) return round_locally(run, options, out);
-    RunSmoother(run, options, out).between({0, run.blocks.size()}, lone_reversals(run, options), run.stop);
+    if (run.rapid || run.blocks.size() == 1 || follows_exactly(options)) return keep_as_programmed(run, options, out);
+    const VertexRange all{0, run.blocks.size()};
+    if (options.rounding == Rounding::beudaert) return round_locally(run, all, run.stop, options, out);
+    RunSmoother(run, options, out).between(all, lone_reversals(run, options), run.stop);
 }
 
 }  // namespace trunnion::smoothing

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <numbers>
 
 #include "trunnion/smoothing/kernel.hpp"
 
@@ -13,7 +15,7 @@ namespace trunnion::smoothing {
 namespace {
 
 constexpr double cap_at_10um_mm = 6;
-constexpr std::size_t most_neighbours = 256;
+constexpr double chord_part = 1.0 / 40;  // of the tip tolerance: an arc from its chords
 constexpr double variation_aim = 0.8;
 constexpr double corner_radius_part = 0.2;  // of the raw width: within it kinks count as one corner
 constexpr double least_corner_radius_mm = 0.05;
@@ -21,11 +23,9 @@ constexpr double corner_use = 0.97;  // of what the curve's bumps leave
 constexpr double least_left_for_corner = 0.1;
 constexpr double grow_use = 0.95;
 constexpr int grow_rounds = 2;
+constexpr std::size_t samples_beside = 8;  // a corner grows by the largest use within four blocks
 constexpr double curve_use_limit = 0.9, total_use_limit = 0.985;
-constexpr double as_near_mm = 0.004;  // places whose distances differ by less are equally near
-constexpr double worth_a_look = 0.2;  // below, no nearest place breaks a tolerance
-constexpr std::size_t most_blocks_beside = 12;
-constexpr int looks_aside = 10;  // before and behind a place, as far as the path may slip
+constexpr double one_move_part = 0.1;  // of the reach: changes so near to each other are told as one
 constexpr int repair_rounds = 6, careful_rounds = 3;
 
 double cap_of(const Polyline& line, const Measure& measure) {
@@ -34,30 +34,12 @@ double cap_of(const Polyline& line, const Measure& measure) {
     return std::min(length, cap_at_10um_mm * std::max(1.0, std::sqrt(measure.tip_tolerance_mm() / 0.01)));
 }
 
-/// `cap_mm`, or the distance to the farthest neighbour that may take part.
-double cap_at(const Bumps& bumps, std::size_t vertex, double cap_mm) {
-    const std::size_t right = std::min(most_neighbours, bumps.gap.size() - vertex),
-                      left = std::min(most_neighbours, vertex);
-    double distance = 0;
-    for (std::size_t k = 0; k < right && distance < cap_mm; ++k) distance += bumps.gap[vertex + k];
-    if (right == most_neighbours) cap_mm = std::min(cap_mm, distance);
-    distance = 0;
-    for (std::size_t k = 1; k <= left && distance < cap_mm; ++k) distance += bumps.gap[vertex - k];
-    return left == most_neighbours ? std::min(cap_mm, distance) : cap_mm;
-}
-
 std::vector<double> caps_of(const Bumps& bumps, const Polyline& line) {
     std::vector<double> cap(bumps.size(), bumps.cap_mm());
     for (std::size_t k = bumps.first(); k <= bumps.last(); ++k)
-        cap[k] = std::min(cap_at(bumps, k, bumps.cap_mm()), line.widest_mm[k - bumps.first()]);
+        cap[k] = std::min(bumps.cap_mm(), line.widest_mm[k - bumps.first()]);
     return cap;
 }
-
-/// A place of the programmed path beside a deviated point: its distance, and the use of the tolerances from there.
-struct NearPlace {
-    double distance_mm = 0, use = 0;
-    bool beside = false;  // the foot lies inside the block
-};
 
 double smoothstep(double x) {
     x = std::clamp(x, 0.0, 1.0);
@@ -68,43 +50,76 @@ double cluster_radius(const Curve& curve, std::size_t vertex) {
     return std::min(curve.cap[vertex], std::max(corner_radius_part * curve.raw_width[vertex], least_corner_radius_mm));
 }
 
-/// Kinks near a vertex as one kink: rounding noise cancels in it, a corner made of two short blocks does not.
-template <class Share>
-Coordinates cluster(const Curve& curve, std::size_t vertex, Share&& share) {
-    const double radius = cluster_radius(curve, vertex);
-    Coordinates sum = Coordinates::Zero();
-    curve.bumps.around({vertex, 0}, radius, radius, [&](std::size_t j, double d) {
-        sum += curve.bumps.jump[j] * (share(j) * (1 - std::abs(d) / radius));
-    });
-    return sum;
+/// The corners' kinks near a vertex as one kink.
+class CornerClusters {
+  public:
+    explicit CornerClusters(const Bumps& bumps) : bumps_(bumps) {
+        for (std::size_t k = 0; k < bumps.size(); ++k)
+            if (bumps.corner_share[k] > 0) corners_.push_back(k);
+    }
+
+    Coordinates at(std::size_t vertex, double radius_mm) const {
+        Coordinates sum = Coordinates::Zero();
+        const auto add = [&](std::size_t j, double distance_mm) {
+            sum += bumps_.jump[j] * (bumps_.corner_share[j] * (1 - distance_mm / radius_mm));
+        };
+        const auto behind = std::lower_bound(corners_.begin(), corners_.end(), vertex);
+        for (auto j = behind; j != corners_.end() && bumps_.distance(vertex, *j) < radius_mm; ++j)
+            add(*j, bumps_.distance(vertex, *j));
+        for (auto j = behind; j != corners_.begin() && bumps_.distance(*std::prev(j), vertex) < radius_mm; --j)
+            add(*std::prev(j), bumps_.distance(*std::prev(j), vertex));
+        return sum;
+    }
+
+  private:
+    const Bumps& bumps_;
+    std::vector<std::size_t> corners_;
+};
+
+/// Where blocks are longer than the cluster and uneven, some vertices of a curve pass for corners: a corner keeps its
+/// share as far as corners make the kink of all that lies within the raw width.
+void weigh_against_surroundings(Curve& curve) {
+    Bumps& bumps = curve.bumps;
+    const CornerClusters corners(bumps);
+    std::vector<double> share = bumps.corner_share;
+    for (std::size_t k = bumps.first(); k <= bumps.last(); ++k) {
+        if (share[k] == 0) continue;
+        const double radius = std::min(curve.cap[k], curve.raw_width[k]);
+        const double all = curve.use(bumps.cluster(k, radius), k);
+        share[k] *= smoothstep((curve.use(corners.at(k, radius), k) / std::max(all, 1e-300) - 0.45) / 0.25);
+    }
+    for (std::size_t k = 0; k < bumps.size(); ++k) bumps.corner_share[k] = share[bumps.source(k)];
 }
 
+/// Kinks near a vertex as one kink: rounding noise cancels in it, a corner made of two short blocks does not.
 /// On a curve the clustered kink makes 0.44 of the deviation, whatever curvature and spacing; at a lone kink all of it.
 void find_corner_shares(Curve& curve) {
     Bumps& bumps = curve.bumps;
     for (std::size_t k = bumps.first(); k <= bumps.last(); ++k) {
-        const Coordinates kink = cluster(curve, k, [](std::size_t) { return 1.0; });
+        const Coordinates kink = bumps.cluster(k, cluster_radius(curve, k));
         const double part = curve.use(kink, k) * DetectionKernel::peak * curve.raw_width[k] / variation_aim;
         bumps.corner_share[k] = smoothstep((part - 0.65) / 0.30);
     }
-    bumps.mirror();
+    for (std::size_t k = 0; k < bumps.size(); ++k) bumps.corner_share[k] = bumps.corner_share[bumps.source(k)];
+    weigh_against_surroundings(curve);
 }
 
 void find_corner_widths(Curve& curve) {
     Bumps& bumps = curve.bumps;
-    const auto share = [&](std::size_t j) { return bumps.corner_share[j]; };
+    const CornerClusters corners(bumps);
     std::vector<double> width = bumps.corner_width;
     for (std::size_t k = bumps.first(); k <= bumps.last(); ++k) {
         width[k] = curve.cap[k];
-        const double clustered = curve.use(cluster(curve, k, share), k);
-        const double kink = CornerKernel::peak * std::max(clustered, curve.use(bumps.jump[k] * share(k), k));
+        const double clustered = curve.use(corners.at(k, cluster_radius(curve, k)), k);
+        const double kink =
+            CornerKernel::peak * std::max(clustered, curve.use(bumps.jump[k] * bumps.corner_share[k], k));
         if (!(kink > 0)) continue;
         const double left = std::max(1 - curve.use(bumps.deviation({k, 0}).curve, k), least_left_for_corner);
         width[k] = std::min(width[k], corner_use * left / kink);
     }
     bumps.corner_width = width;
     bumps.limit_slope(bumps.corner_width, corner_width_slope);
-    bumps.mirror();
+    bumps.settle();
 }
 
 /// Use of the tolerances at vertices (even) and middles of blocks (odd), kept up to date as widths change.
@@ -153,7 +168,9 @@ class Samples {
     Use at(std::size_t s) const {
         const Place where = place(s);
         const Deviation d = curve_.bumps.deviation(where);
-        return {curve_.use_nearby(d.curve, where), curve_.use_nearby(d.curve + d.corner, where)};
+        std::optional<Coordinates> tangent;
+        const double curve = curve_.use_nearby(d.curve, where, tangent);
+        return {curve, d.corner.isZero(0) ? curve : curve_.use_nearby(d.curve + d.corner, where, tangent)};
     }
 
     const Curve& curve_;
@@ -161,6 +178,7 @@ class Samples {
     std::vector<char> stale_;
 };
 
+/// Changes of neighbours are told as one.
 std::vector<Moved> moves_since(const Bumps& bumps, const std::vector<double>& curve_before,
                                const std::vector<double>& corner_before) {
     std::vector<Moved> moved;
@@ -170,7 +188,11 @@ std::vector<Moved> moves_since(const Bumps& bumps, const std::vector<double>& cu
         if (!curve && !corner) continue;
         const double reach = std::max(curve ? std::max(curve_before[k], bumps.curve_width[k]) : 0.0,
                                       corner ? std::max(corner_before[k], bumps.corner_width[k]) : 0.0);
-        moved.push_back({k, reach});
+        const double way = moved.empty() ? 0 : bumps.distance(moved.back().vertex, k);
+        if (!moved.empty() && way < one_move_part * std::min(reach, moved.back().reach_mm))
+            moved.back().reach_mm = std::max(moved.back().reach_mm, reach + way);
+        else
+            moved.push_back({k, reach});
     }
     return moved;
 }
@@ -184,12 +206,13 @@ void grow_corners(Curve& curve, Samples& samples) {
         for (std::size_t k = bumps.first(); k <= bumps.last(); ++k) {
             const std::size_t s = 2 * (k - bumps.first());
             double largest = 1e-6;
-            for (std::size_t i = s < 4 ? 0 : s - 4; i < std::min(s + 5, uses.size()); ++i)
+            const std::size_t from = s < samples_beside ? 0 : s - samples_beside;
+            for (std::size_t i = from; i < std::min(s + samples_beside + 1, uses.size()); ++i)
                 largest = std::max(largest, uses[i].total);
             bumps.corner_width[k] = std::min(curve.cap[k], before[k] * std::clamp(grow_use / largest, 1.0, 2.0));
         }
         bumps.limit_slope(bumps.corner_width, corner_width_slope);
-        bumps.mirror();
+        bumps.settle();
         samples.forget(moves_since(bumps, bumps.curve_width, before));
     }
 }
@@ -212,83 +235,44 @@ Curve::Curve(Polyline polyline, const Measure& how)
       raw_width(cap) {
     bumps.curve_width = cap;
     bumps.corner_width = cap;
-    bumps.mirror();
-}
-
-double Curve::use_nearby(const Coordinates& deviation, Place at) const {
-    const std::size_t here = std::min(at.block - bumps.first(), line.blocks() - 1);
-    const double weight = std::max(lever(at.block), lever(bumps.first() + here));
-    double use = measure.use(deviation, weight);
-    if (measure.has_arm() || use < worth_a_look) return use;
-    const double reach = std::sqrt(measure.product(deviation, deviation, weight)) + as_near_mm;
-    const double offset = at.block - bumps.first() == here ? at.offset_mm : line.gap_mm[here];
-    const Coordinates point = line.slope[here] * offset + deviation;
-    const Coordinates ahead = bumps.jet(at)[1];
-    const double slip = measure.product(deviation, ahead, weight) / measure.product(ahead, ahead, weight);
-    use = std::max(use, measure.use(deviation - slip * ahead, weight));  // the curve's nearest place, seen from P
-    for (int k = -looks_aside; k <= looks_aside; ++k)
-        use =
-            std::max(use, use_from_nearest(point + k * reach / looks_aside * ahead, {here, offset}, 2 * reach, weight));
-    return use;
-}
-
-/// `point` counts from vertex `at.block` of the polyline.
-double Curve::use_from_nearest(const Coordinates& point, Place at, double reach_mm, double weight) const {
-    const std::size_t here = at.block;
-    std::array<NearPlace, 2 * most_blocks_beside + 1> places;
-    std::size_t count = 0;
-    const auto look = [&](std::size_t block) {
-        const Coordinates from = point + (line.vertex[here] - line.vertex[block]);
-        const Coordinates& along = line.slope[block];
-        const double foot = measure.product(from, along, weight) / measure.product(along, along, weight);
-        const double kept = std::clamp(foot, 0.0, line.gap_mm[block]);
-        const Coordinates rest = from - kept * along;
-        places[count++] = {std::sqrt(measure.product(rest, rest, weight)), measure.use(rest, weight), kept == foot};
-    };
-    look(here);
-    double way = at.offset_mm;
-    for (std::size_t k = 1; k <= most_blocks_beside && k <= here && way < reach_mm; ++k) {
-        look(here - k);
-        way += line.gap_mm[here - k];
-    }
-    way = line.gap_mm[here] - at.offset_mm;
-    for (std::size_t k = 1; k <= most_blocks_beside && here + k < line.blocks() && way < reach_mm; ++k) {
-        look(here + k);
-        way += line.gap_mm[here + k];
-    }
-    const auto nearest =
-        std::min_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(count),
-                         [](const NearPlace& a, const NearPlace& b) { return a.distance_mm < b.distance_mm; });
-    double use = nearest->use;
-    for (std::size_t k = 0; k < count; ++k)
-        if (places[k].beside && places[k].distance_mm <= nearest->distance_mm + as_near_mm)
-            use = std::max(use, places[k].use);
-    return use;
 }
 
 std::vector<Moved> narrow(Curve& curve, const std::vector<Excess>& places, int round) {
     Bumps& bumps = curve.bumps;
     const auto curve_before = bumps.curve_width, corner_before = bumps.corner_width;
+    const auto lower = [&](std::vector<double>& width, std::size_t vertex, double to) {
+        double& own = width[bumps.source(vertex)];
+        own = std::min(own, to);
+    };
     for (const Excess& place : places) {
         const double excess = std::max(place.use.total, place.use.curve);
         const bool curve_too_wide = place.use.curve > curve_use_limit || place.use.curve > 0.5 * place.use.total;
         const bool careful = round < careful_rounds;
         const double curve_factor = careful ? std::min(1.0, std::sqrt(0.97 * curve_use_limit / excess)) : 0.5;
         const double corner_factor = careful ? std::min(1.0, corner_use / excess) : 0.5;
-        const double spread = place.extent_mm * (1 + 1e-9) + 0.25 * round * curve_before[place.at.block];
-        bumps.touching(place.at, place.extent_mm, [&](std::size_t j, double d) {
-            const std::size_t k = bumps.source(j);
-            const double distance = std::abs(d);
-            if (curve_too_wide && distance <= spread)
-                bumps.curve_width[k] = std::min(bumps.curve_width[k], curve_factor * curve_before[k]);
-            if (place.use.total > total_use_limit && distance - place.extent_mm < corner_before[k])
-                bumps.corner_width[k] = std::min(bumps.corner_width[k], corner_factor * corner_before[k]);
-        });
+        const std::size_t vertex = place.at.block, next = place.at.offset_mm > 0 ? vertex + 1 : vertex;
+        const double spread = place.extent_mm * (1 + 1e-9) + 0.5 * shortest_block_mm +
+                              0.25 * round * std::max(curve_before[vertex], curve_before[next]);
+        if (curve_too_wide)
+            bumps.around(place.at, spread, spread,
+                         [&](std::size_t j, double) { lower(bumps.curve_width, j, curve_factor * curve_before[j]); });
+        if (place.use.total > total_use_limit)
+            bumps.corners_touching(place.at, place.extent_mm, [&](std::size_t j, double d) {
+                if (std::abs(d) - place.extent_mm < corner_before[j])
+                    lower(bumps.corner_width, j, corner_factor * corner_before[j]);
+            });
     }
     bumps.limit_slope(bumps.curve_width, curve_width_slope);
     bumps.limit_slope(bumps.corner_width, corner_width_slope);
-    bumps.mirror();
+    bumps.settle();
     return moves_since(bumps, curve_before, corner_before);
+}
+
+Polyline chords(const path::Run& run, VertexRange range, const Measure& measure) {
+    constexpr double degree = std::numbers::pi / 180;
+    return make_polyline(run, range,
+                         {std::clamp(2 * measure.turn_tolerance_rad(), 0.2 * degree, 2 * degree),
+                          std::clamp(measure.tip_tolerance_mm() * chord_part, 1e-5, 1e-3)});
 }
 
 void find_widths(Curve& curve) {
@@ -297,7 +281,7 @@ void find_widths(Curve& curve) {
     find_corner_shares(curve);
     find_curve_widths(curve, variation_aim);
     bumps.limit_slope(bumps.curve_width, curve_width_slope);
-    bumps.mirror();
+    bumps.settle();
     find_corner_widths(curve);
     Samples samples(curve);
     grow_corners(curve, samples);

@@ -14,6 +14,7 @@
 #include "trunnion/files/machine_file.hpp"
 #include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/plan.hpp"
+#include "trunnion/smoothing/pole_tolerance.hpp"
 #include "trunnion/verify/check.hpp"
 
 namespace trunnion {
@@ -283,7 +284,8 @@ bool plan_and_check(std::uint64_t seed, const machine::Machine& machine, bool al
     EXPECT_TRUE(summary->usable()) << "seed " << seed << "\n" << summary->report();
     EXPECT_GE(summary->cycle_time_s, summary->jerk_free_bound_s * (1 - 1e-3)) << "seed " << seed;
     const auto table = verify::setpoint_table(std::move(recorded.rows));
-    const auto stands = path::choose_rotary_stands(program, machine, setup);
+    const auto stands =
+        path::choose_rotary_stands(program, machine, setup, smoothing::pole_tolerance_rad(options.smoothing));
     EXPECT_TRUE(stands) << "seed " << seed << ": " << to_string(stands.error());
     if (!stands) return false;
     const auto poses = verify::programmed_poses(program, machine, setup, *stands);

@@ -13,8 +13,8 @@
 
 namespace trunnion::path::detail {
 
-/// Longer moves, and coordinates farther from zero, are slips of the pen: they would be planned for hours. Rotary words:
-/// as many radians.
+/// Longer moves, and coordinates farther from zero, are slips of the pen: they would be planned for hours. Rotary
+/// words: as many radians.
 inline constexpr double longest_move_mm = 1e7;
 
 /// What a move counts in: the tool with the geometry of the machine that carries it, and the work offset.
@@ -29,7 +29,8 @@ struct Surrounding {
 /// machine and setup; what it hands out lives as long as it does and stays where it is when it is moved.
 class Surroundings {
   public:
-    /// Errors: PATH0001 no motion, PATH0010 a coordinate beyond 10 km or not finite, PATH0006 rotary words on a machine without such an axis.
+    /// Errors: PATH0001 no motion, PATH0010 a coordinate beyond 10 km or not finite, PATH0006 rotary words on a machine
+    /// without such an axis.
     static Result<Surroundings> make(const program::Program& program, const machine::Machine& machine,
                                      const machine::Setup& setup);
 

@@ -18,6 +18,27 @@ struct ToolPose {
     Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero(), axis = Eigen::Vector3d::UnitZ();
 };
 
+/// The poses of one move as functions of the share w ∈ [0, 1] of its length.
+class PosesBetween {
+  public:
+    PosesBetween(const ToolPose& from, const ToolPose& to, std::optional<geometry::Helix> arc)
+        : from_mm_(from.tip_mm), to_(to), circle_(from.axis, to.axis), arc_(std::move(arc)) {}
+
+    double turn_rad() const { return circle_.angle_rad(); }
+    const std::optional<geometry::Helix>& arc() const { return arc_; }
+    Eigen::Vector3d axis_at(double w) const { return w == 1 ? to_.axis : circle_.at(w); }
+    Eigen::Vector3d tip_at(double w) const {
+        return arc_ ? arc_->at(w) : Eigen::Vector3d(from_mm_ + w * (to_.tip_mm - from_mm_));
+    }
+    ToolPose at(double w) const { return {tip_at(w), axis_at(w)}; }
+
+  private:
+    Eigen::Vector3d from_mm_;
+    ToolPose to_;
+    geometry::GreatCircle circle_;
+    std::optional<geometry::Helix> arc_;
+};
+
 /// The rotary axes on a way from pose to pose.
 struct AlongWay {
     Followed at;
@@ -32,6 +53,9 @@ class VectorWay {
 
     /// The pose at the end of a move that begins with the tip at `tip_before_mm`.
     Result<ToolPose> end_of(std::size_t move, const Eigen::Vector3d& tip_before_mm) const;
+
+    /// Errors: PATH0005 opposite tool axes.
+    Result<PosesBetween> between(std::size_t move, const ToolPose& from, const ToolPose& to) const;
 
     /// The solutions at a move's end.
     Result<machine::RotarySolutions> solutions_at_end(std::size_t move) const;
@@ -48,6 +72,7 @@ class VectorWay {
                     machine::RotaryPosition& at_begin, OnPlace&& on_place) const;
 
     Diagnostic out_of_reach(std::size_t move) const;
+    Diagnostic too_close_to_pole(std::size_t move) const;
 
   private:
     static constexpr double look_every_rad = 2 * degree;
@@ -107,27 +132,17 @@ Result<void> VectorWay::go(std::size_t move, const ToolPose& from, const ToolPos
             return {};
         }
     }
-    if (geometry::angle_between(from.axis, to.axis) > opposite_rad) return fail(half_a_turn(move));
-    const geometry::GreatCircle circle(from.axis, to.axis);
-    const auto solutions_at = [&](double w) { return kinematics.rotary_for(w == 1 ? to.axis : circle.at(w)); };
-    std::optional<geometry::Helix> helix;
-    double parts = 1;
-    if (to_move.arc != program::no_arc) {
-        const program::Arc& arc = program_->arcs[static_cast<std::size_t>(to_move.arc)];
-        helix.emplace(from.tip_mm, to.tip_mm, out_of_offset(*in->offset, arc.centre_mm),
-                      in->offset->rotation * arc.normal, arc.angle_rad);
-        parts = std::ceil(std::abs(arc.angle_rad) / look_every_of_arc_rad);
-    }
-    const auto tip_at = [&](double w) -> Eigen::Vector3d {
-        return helix ? helix->at(w) : Eigen::Vector3d(from.tip_mm + w * (to.tip_mm - from.tip_mm));
-    };
+    const auto poses = between(move, from, to);
+    if (!poses) return fail(poses.error());
+    const auto solutions_at = [&](double w) { return kinematics.rotary_for(poses->axis_at(w)); };
+    const double parts = poses->arc() ? std::ceil(std::abs(poses->arc()->angle_rad()) / look_every_of_arc_rad) : 1;
     if (!at_end.degenerate && solutions_at(0).degenerate) {
         const auto side = leave_pole(kinematics, solutions_at, along);
         if (!side) return fail(out_of_reach(move));
         at_begin = solution_of(kinematics, solutions_at(0), 0, side->rotary_rad).rotary_rad;
         along.at = {at_begin, unknown_branch};
     }
-    const auto on_station = [&](double w, const Followed& there) { arrive(there, tip_at(w)); };
+    const auto on_station = [&](double w, const Followed& there) { arrive(there, poses->tip_at(w)); };
     for (double part = 1; part <= parts; ++part) {
         const double begin = (part - 1) / parts, end = part / parts;
         const auto followed =

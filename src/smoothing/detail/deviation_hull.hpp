@@ -30,6 +30,15 @@ class DeviationHull {
     double lever_bound(const Coordinates& from, const Coordinates& to) const;
 
   private:
+    /// What coordinates do to points of the tool in the workpiece, linearised at a place. Rotary axes only.
+    struct Frame {
+        Eigen::Matrix<double, 3, 6> tip, axis;  // of the tip, and of the unit tool axis
+    };
+
+    Frame frame(const Coordinates& at) const;
+    double point(const Frame& frame, const Coordinates& d, double height_mm) const;
+    double beyond_frame(const Bernstein& d, const Coordinates& step, double height_mm) const;
+    void sharpen(Extent& hull, Extent& ends, const Bernstein& d, const Coordinates& from, const Coordinates& to) const;
     Extent measured(const Coordinates& d, double lever) const;
     double take_across(Bernstein& d, const Bernstein& curve, const Coordinates& from, const Coordinates& to) const;
     double lever_beside(const Bernstein& d, double lever) const;
@@ -39,6 +48,7 @@ class DeviationHull {
     const path::Run& run_;
     const Measure& measure_;
     int lever_axis_;
+    bool has_frames_;
     double sideways_ = 0;  // a slerp from its chord, as an angle
     double chord_error_mm_ = 0;
     Extent seen_;  // deviations that do occur

@@ -19,8 +19,14 @@ class Measure {
     double point(const Coordinates& d, double lever, double height_mm) const;
     /// Deviation / tolerance, the larger of both.
     double use(const Coordinates& d, double lever) const;
-    /// Product of two deviations in the metric |d_tip|² + (flank height · turn)², by which places are called near.
-    double product(const Coordinates& a, const Coordinates& b, double lever) const;
+    /// Weights of the squares of coordinates in |d_tip|² + (flank height · turn)², by which places are called near.
+    Coordinates metric(double lever) const;
+    /// Product of two deviations in that metric.
+    double product(const Coordinates& a, const Coordinates& b, double lever) const {
+        return a.cwiseProduct(metric(lever)).dot(b);
+    }
+    /// Square of a length in that metric below which no deviation breaks a tolerance.
+    double nearness_square() const;
     /// The same of deviations that are already known.
     double use_of(double tip_mm, double turn_rad, double height_mm) const;
 
@@ -31,6 +37,8 @@ class Measure {
     double tip_tolerance_mm() const { return options_.tip_tolerance_mm; }
     bool vectors() const { return vectors_; }
     int lever_axis() const { return lever_axis_; }  ///< index in Coordinates, −1: none
+    /// Space machine: the tip moves at most so far per radian of a rotary axis; else 0.
+    double arm_mm() const { return arm_mm_; }
     /// Deviations of the axes are not those of the tool: machine space with turning axes.
     bool has_arm() const { return arm_mm_ > 0; }
 

@@ -16,7 +16,8 @@ struct Section {
     std::vector<path::PathPiece> pieces;  ///< begin_mm counted from the section's start
 };
 
-/// Cuts a curve into sections of some ten widths, at vertices.
+/// Cuts a curve into sections of some ten widths on average, at programmed vertices. Whether a vertex is a cut depends
+/// on its coordinates and the lengths of the blocks beside it alone: not on where the run starts, nor on its direction.
 std::vector<Section> make_sections(const Curve& curve);
 
 /// Represents the curve by septic Hermite pieces: at most a third of the narrowest bump each, halved until the quarter

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "detail/bumps.hpp"
@@ -25,11 +26,16 @@ struct Curve {
     /// Use of the tolerances by a deviation at a place, at equal p and from the nearest places: where tip and tool axis
     /// slip along the path by different amounts, the nearest place may leave the tip more than equal p does. Places on
     /// several blocks that are as near count all.
-    double use_nearby(const Coordinates& deviation, Place at) const;
-
-  private:
-    double use_from_nearest(const Coordinates& point, Place at, double reach_mm, double weight) const;
+    double use_nearby(const Coordinates& deviation, Place at) const {
+        std::optional<Coordinates> tangent;
+        return use_nearby(deviation, at, tangent);
+    }
+    /// The same; c′ at the place is left in `tangent`, or taken from there, where it is needed.
+    double use_nearby(const Coordinates& deviation, Place at, std::optional<Coordinates>& tangent) const;
 };
+
+/// The programmed path as chords between which kinks are so small that several of them share one width.
+Polyline chords(const path::Run& run, VertexRange range, const Measure& measure);
 
 /// Finds shares and widths that use the tolerances: total variation along the scale for curves, what is left for
 /// corners. They hold at vertices and in the middle of blocks as far as sums go; the certificate decides.

@@ -228,5 +228,69 @@ TEST(AxisPath, refuses_an_orientation_out_of_reach) {
     EXPECT_EQ(path.error().code, "PATH0101");
 }
 
+/// The tool axis (0.01 p, 0.002 p², 1) in two pieces, the pole between them: its direction about the pole is atan(0.2
+/// p).
+ToolPath bent_at_pole(const Kinematics& kinematics) {
+    ToolPath path;
+    path.kinematics = &kinematics;
+    for (const double begin : {-2.0, 0.0}) {
+        PathPiece piece{begin + 2, 2, {}};
+        piece.coefficient[3] = {0.01 * begin, 0.02};
+        piece.coefficient[4] = {0.002 * begin * begin, 0.008 * begin, 0.008};
+        piece.coefficient[5] = {1};
+        path.pieces.push_back(piece);
+    }
+    path.blocks.push_back({0, 4, {FeedRule::tip_speed, 50}, 1, 4});
+    return path;
+}
+
+TEST(AxisPath, turns_on_evenly_at_the_pole_itself) {
+    auto inclined = trunnion_table();
+    inclined.axes[3].direction = Eigen::Vector3d(1, 0, 1).normalized();
+    for (const auto& machine : {trunnion_table(), trunnion_table(true), inclined}) {
+        const auto kinematics = Kinematics::make(machine, Frame{{5, -7, 50}, Eigen::Matrix3d::Identity()}, 80);
+        ASSERT_TRUE(kinematics);
+        const ToolPath tool_path = bent_at_pole(*kinematics);
+        const auto path = AxisPath::make(tool_path, machine, {});
+        ASSERT_TRUE(path) << to_string(path.error());
+        const auto at = [&](double p) {
+            AxisSample sample;
+            path->evaluate(p < 0 ? PathPlace{0, 2 + p} : PathPlace{1, p}, sample);
+            return sample;
+        };
+        AxisSample before, after;
+        path->evaluate({0, 2}, before);
+        path->evaluate({1, 0}, after);
+        for (const int i : {3, 4}) {
+            for (int k = 0; k < 4; ++k) EXPECT_NEAR(before.axes[i].c[k], after.axes[i].c[k], 1e-13);
+            constexpr double h = 0.02;
+            const auto q = [&](double p) { return at(p).axes[i].value(); };
+            EXPECT_NEAR((q(-2 * h) - 8 * q(-h) + 8 * q(h) - q(2 * h)) / (12 * h), after.axes[i].d1(), 1e-7);
+            EXPECT_NEAR((-q(-2 * h) + 2 * q(-h) - 2 * q(h) + q(2 * h)) / (2 * h * h * h), after.axes[i].d3(), 1e-4);
+            for (const double p : {1e-9, 1e-7, 1e-6, 1e-4})
+                for (const double sign : {-1, 1}) {
+                    const Taylor3 is = at(sign * p).axes[i], from_pole = after.axes[i];
+                    const double x = sign * p;
+                    EXPECT_NEAR(is.c[0],
+                                from_pole.c[0] + x * (from_pole.c[1] + x * (from_pole.c[2] + x * from_pole.c[3])),
+                                1e-15 + 1e-2 * x * x * x * x);
+                    EXPECT_NEAR(is.c[1], from_pole.c[1] + x * (2 * from_pole.c[2] + 3 * x * from_pole.c[3]),
+                                1e-13 + x * x * x * sign);
+                    EXPECT_NEAR(is.c[3], from_pole.c[3], 1e-12 + p);
+                }
+        }
+        if (machine.axes[3].direction == trunnion_table().axes[3].direction) {
+            EXPECT_NEAR(std::abs(after.axes[4].d1()), 0.2, 1e-14);
+            EXPECT_NEAR(std::abs(after.axes[4].d3()), 2 * 0.2 * 0.2 * 0.2, 1e-13);
+        }
+        for (const double p : {-1.7, -1e-5, -1e-9, 1e-9, 1e-5, 1.7}) {
+            const AxisSample sample = at(p);
+            const Eigen::Vector3d axis =
+                kinematics->tool_axis(machine::RotaryPosition{sample.axes[3].value(), sample.axes[4].value()});
+            EXPECT_NEAR((axis - Eigen::Vector3d(0.01 * p, 0.002 * p * p, 1).normalized()).norm(), 0, 1e-14);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace trunnion::path

@@ -1,5 +1,6 @@
 #include "trunnion/path/path_builder.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -311,6 +312,33 @@ TEST(PathBuilder, goes_from_vectors_to_words_and_back_where_the_axes_stand) {
     EXPECT_NEAR(runs[1].stands[0][1], 380 * degree, 1e-12);
     EXPECT_NEAR(runs[1].stands[1][1], 385 * degree, 1e-12);
     EXPECT_NEAR(runs[2].vertices[0].orientation[1], 385 * degree, 1e-12);
+}
+
+TEST(PathBuilder, says_where_a_run_goes_through_the_pole) {
+    const auto machine = trunnion_table();
+    Program program;
+    for (int k = 0; k <= 20; ++k) {
+        Move move;
+        const double tilt = (k - 9.7) * degree;
+        move.position_mm = {1.0 * k, 0, 0};
+        move.axis = Eigen::Vector3d(std::sin(tilt), 1e-3, std::cos(tilt)).normalized();
+        move.feed = {FeedRule::tip_speed, 10};
+        program.moves.push_back(move);
+    }
+    for (const double tolerance_rad : {0.0, 1.4e-3}) {
+        const auto stands = choose_rotary_stands(program, machine, {}, tolerance_rad);
+        ASSERT_TRUE(stands);
+        auto builder = PathBuilder::make(program, machine, {}, *stands);
+        ASSERT_TRUE(builder);
+        const auto runs = runs_of(*builder);
+        ASSERT_EQ(runs.size(), 1U);
+        ASSERT_EQ(runs[0].passages.size(), tolerance_rad > 0 ? 1U : 0U);
+        if (runs[0].passages.empty()) continue;
+        const PolePassage& passage = runs[0].passages[0];
+        EXPECT_EQ(passage.block, 9U);
+        EXPECT_NEAR(passage.share, 0.7, 1e-3);
+        EXPECT_NEAR(passage.pole.z(), 1, 1e-15);
+    }
 }
 
 }  // namespace

@@ -292,6 +292,91 @@ TEST(RotaryStands, refuses_what_cannot_be_reached_or_named) {
     EXPECT_EQ(refused.error().place.line, 2);
 }
 
+/// 40 mm along X while the tool tilts from −tilt to tilt and passes the pole so far aside.
+std::vector<Move> past_pole(double tilt_deg, double aside_deg, int blocks = 40) {
+    std::vector<Move> moves;
+    for (int k = 0; k <= blocks; ++k) {
+        const double tilt = tilt_deg * degree * (2.0 * k / blocks - 1), aside = aside_deg * degree;
+        moves.push_back(
+            vector_to(40.0 * k / blocks, 0, 0,
+                      {std::sin(tilt) * std::cos(aside), std::sin(aside), std::cos(tilt) * std::cos(aside)}));
+    }
+    return moves;
+}
+
+double turn_of_c(const std::vector<RotaryStand>& stands) {
+    double out = 0;
+    for (std::size_t k = 1; k < stands.size(); ++k)
+        out += std::abs(stands[k].rotary_rad[C] - stands[k - 1].rotary_rad[C]);
+    return out / degree;
+}
+
+std::vector<RotaryStand> stands_with_tolerance(const Program& program, const machine::Machine& machine,
+                                               double tolerance_deg) {
+    const auto stands = choose_rotary_stands(program, machine, {}, tolerance_deg * degree);
+    EXPECT_TRUE(stands) << to_string(stands.error());
+    return stands.value_or(std::vector<RotaryStand>(program.moves.size()));
+}
+
+void expect_same(const std::vector<RotaryStand>& a, const std::vector<RotaryStand>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k)
+        for (int axis = 0; axis < 2; ++axis) EXPECT_NEAR(a[k].rotary_rad[axis], b[k].rotary_rad[axis], 1e-9) << k;
+}
+
+TEST(RotaryStands, go_through_the_pole_where_it_is_passed_within_the_tolerance) {
+    const auto machine = trunnion_table();
+    for (const int blocks : {1, 2, 40, 400}) {
+        const Program program = program_of(past_pole(10, 0.05, blocks));
+        const auto around = stands_with_tolerance(program, machine, 0),
+                   through = stands_with_tolerance(program, machine, 0.08);
+        EXPECT_NEAR(turn_of_c(around), 180, 1) << blocks;
+        EXPECT_NEAR(std::abs(through.back().rotary_rad[C] - through.front().rotary_rad[C]) / degree, 0.57, 0.05)
+            << blocks;
+        EXPECT_NEAR(through.back().rotary_rad[A], -through.front().rotary_rad[A], 1e-3) << blocks;
+        expect_same(stands_with_tolerance(program, machine, 0.049), around);
+        const auto kinematics = machine::Kinematics::make(machine, {}, 0);
+        for (std::size_t k = 0; k < program.moves.size(); ++k)  // at the programmed poses
+            EXPECT_NEAR((kinematics->tool_axis(through[k].rotary_rad) - program.moves[k].axis).norm(), 0, 1e-12);
+    }
+}
+
+TEST(RotaryStands, go_around_the_pole_where_ranges_words_or_a_stop_want_it) {
+    auto machine = trunnion_table();
+    Program program = program_of(past_pole(10, 0.05));
+    program.moves[20].exact_stop = true;  // the tool stands still beside the pole, at the programmed pose
+    expect_same(stands_with_tolerance(program, machine, 0.08), stands_with_tolerance(program, machine, 0));
+    program.moves[20].exact_stop = false;
+    const auto around = stands_with_tolerance(program, machine, 0);
+    const auto at = [&](const RotaryStand& stand, double x) {
+        return words(vector_to(x, 0, 0, {}), stand.rotary_rad[C] / degree, stand.rotary_rad[A] / degree);
+    };
+    Program between_words = program;  // which say how the axes stand on both sides
+    between_words.moves.front() = at(around.front(), 0);
+    between_words.moves.push_back(at(around.back(), 50));
+    expect_same(stands_with_tolerance(between_words, machine, 0.08), stands_with_tolerance(between_words, machine, 0));
+    between_words.moves.pop_back();
+    const auto after_words = stands_with_tolerance(between_words, machine, 0.08);
+    EXPECT_NEAR(after_words.front().rotary_rad[C], after_words.back().rotary_rad[C], 2 * degree);
+    machine.axes[3].range_min = -9 * degree;  // room for A on one side only
+    expect_same(stands_with_tolerance(program, machine, 0.08), stands_with_tolerance(program, machine, 0));
+}
+
+TEST(RotaryStands, choose_at_every_passage_by_itself) {
+    const auto machine = trunnion_table();
+    Program program = program_of(past_pole(10, 0.05));
+    auto back = past_pole(-10, 0.2), again = past_pole(10, -0.03);  // the second passage is out of tolerance
+    for (std::size_t k = 1; k < back.size(); ++k) program.moves.push_back(back[k]);
+    for (std::size_t k = 1; k < again.size(); ++k) program.moves.push_back(again[k]);
+    const auto stands = stands_with_tolerance(program, machine, 0.08);
+    const auto turn = [&](std::size_t from, std::size_t to) {
+        return std::abs(stands[to].rotary_rad[C] - stands[from].rotary_rad[C]) / degree;
+    };
+    EXPECT_LT(turn(0, 40), 2);
+    EXPECT_GT(turn(41, 79), 170);
+    EXPECT_LT(turn(81, 120), 3);
+}
+
 /// xorshift64*: the same numbers on every machine.
 class Random {
   public:

@@ -216,6 +216,16 @@ TEST(Plan, can_be_cancelled) {
     EXPECT_EQ(p.summary.error().code, "PIPE0002");
 }
 
+TEST(Plan, of_no_tolerance_stands_still_at_corners_and_says_so) {
+    PlanOptions options;
+    options.smoothing.tip_tolerance_mm = 0;
+    const Planned p("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 F6000\nY10\n", options);
+    ASSERT_TRUE(p.summary);
+    EXPECT_TRUE(p.summary->usable());
+    EXPECT_EQ(p.summary->exact_stops.corners, 1U);
+    EXPECT_TRUE(std::ranges::any_of(p.summary->diagnostics, [](const Diagnostic& d) { return d.code == "PIPE0104"; }));
+}
+
 TEST(Plan, refuses_options_without_meaning) {
     const char* text = "G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X10 F6000\n";
     for (int k = 0; k < 5; ++k) {
@@ -223,7 +233,7 @@ TEST(Plan, refuses_options_without_meaning) {
         if (k == 0) options.period_s = 0;
         if (k == 1) options.feed_override = -1;
         if (k == 2) options.feed_mm_s = std::nan("");
-        if (k == 3) options.smoothing.tip_tolerance_mm = 0;
+        if (k == 3) options.smoothing.tip_tolerance_mm = -0.01;
         if (k == 4) options.smoothing.flank_height_mm = -30;
         const Planned p(text, options);
         ASSERT_FALSE(p.summary) << k;

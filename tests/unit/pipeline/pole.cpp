@@ -162,5 +162,75 @@ TEST(Pole, rapids_wind_back_before_a_cut_that_needs_the_room) {
     expect_sound(*machine, program, 1e-3, "winding back");
 }
 
+/// Time of a plan; what it cannot do fails the test.
+double time_of(const machine::Machine& machine, const program::Program& program,
+               double orientation_tolerance_deg = 0.1) {
+    PlanOptions options;
+    options.smoothing.orientation_tolerance_rad = orientation_tolerance_deg * degree;
+    Rows recorded;
+    const auto summary = plan(program, machine, {}, options, recorded);
+    EXPECT_TRUE(summary) << to_string(summary.error());
+    EXPECT_TRUE(summary && summary->usable());
+    return summary ? summary->cycle_time_s : 0;
+}
+
+TEST(Pole, passages_within_the_orientation_tolerance_take_no_longer_than_the_pole_itself) {
+    struct Gain {
+        const char* machine;
+        double least;  // time around the pole / time through it
+    };
+    for (const Gain& gain :
+         {Gain{"ucp710", 2}, Gain{"head-head", 2}, Gain{"head-table", 1.5}, Gain{"nutating-head", 1.8}}) {
+        const auto machine =
+            files::read_machine_file(std::string(TRUNNION_SOURCE_DIR "/data/machines/") + gain.machine + ".toml");
+        ASSERT_TRUE(machine) << gain.machine;
+        const double through = time_of(*machine, past_the_pole(0, 40));
+        for (const int blocks : {1, 40, 400})
+            for (const double aside_deg : {0.001, 0.02, 0.076}) {
+                const auto program = past_the_pole(30 * aside_deg * degree, blocks);
+                const std::string what = std::string(gain.machine) + ", " + std::to_string(aside_deg) + " deg, " +
+                                         std::to_string(blocks) + " blocks";
+                const double time = time_of(*machine, program), around = time_of(*machine, program, 1e-4);
+                EXPECT_LE(time, 1.01 * through) << what;
+                EXPECT_GE(around, gain.least * time) << what;
+            }
+        const auto too_far = past_the_pole(30 * 0.081 * degree, 40);
+        EXPECT_GE(time_of(*machine, too_far), gain.least * through) << gain.machine;
+    }
+}
+
+TEST(Pole, an_axis_without_room_on_the_other_side_leads_around_the_pole) {
+    auto machine = files::read_machine_file(TRUNNION_SOURCE_DIR "/data/machines/ucp710.toml");
+    ASSERT_TRUE(machine);
+    machine->axes[3].range_min = -5 * degree;
+    const auto program = past_the_pole(30 * 0.05 * degree, 40);
+    expect_sound(*machine, program, 1e-3, "around");
+    EXPECT_NEAR(time_of(*machine, program), time_of(*machine, program, 1e-4), 0.05);
+}
+
+TEST(Pole, passages_to_and_fro_with_noise_hold_limits_and_tolerances) {
+    const auto machine = files::read_machine_file(TRUNNION_SOURCE_DIR "/data/machines/ucp710.toml");
+    ASSERT_TRUE(machine);
+    program::Program program;
+    std::uint64_t state = 20261122;
+    const auto noise = [&] {  // even in [−1, 1]
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        return static_cast<double>(state >> 11) * 0x1p-52 - 1;
+    };
+    for (int pass = 0; pass < 4; ++pass)
+        for (int k = -100; k <= 100; ++k) {
+            program::Move move;
+            const double x = (pass % 2 ? -0.1 : 0.1) * k, tilt = 6 * degree * x / 10;
+            const double nx = std::sin(tilt) + 1e-4 * noise(), ny = 0.04 * degree + 1e-4 * noise();
+            move.position_mm = {x, 1.0 * pass, 0};
+            move.axis = Eigen::Vector3d(nx, ny, std::cos(tilt)).normalized();
+            move.feed = {program::FeedRule::tip_speed, 50};
+            move.line = static_cast<int>(program.moves.size()) + 1;
+            program.moves.push_back(move);
+        }
+    expect_sound(*machine, program, 1e-3, "to and fro");
+    EXPECT_LT(time_of(*machine, program), 0.6 * time_of(*machine, program, 0.04)) << "seed " << state;
+}
+
 }  // namespace
 }  // namespace trunnion::pipeline

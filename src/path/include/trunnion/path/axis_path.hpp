@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "trunnion/base/result.hpp"
@@ -9,6 +10,10 @@
 #include "trunnion/path/tool_path.hpp"
 
 namespace trunnion::path {
+
+namespace detail {
+class PolePiece;
+}  // namespace detail
 
 /// A place on a path: piece and distance from that piece's start. A sum of both would lose digits on long paths that
 /// the third difference of setpoints needs.
@@ -75,12 +80,16 @@ class AxisPath {
     Result<void> check_ranges(PathPlace from, const AxisSample& at_from, double length_mm,
                               const AxisSample& at_to) const;
     machine::RotaryPosition reference(PathPlace place) const noexcept;
+    void find_pole_pieces();
+    const detail::PolePiece* pole_piece(std::size_t index) const noexcept;
+    machine::RotarySeries rotary_at(PathPlace place, const machine::VectorSeries& tool_axis) const noexcept;
 
     const ToolPath* path_;
     const machine::Machine* machine_;
     std::vector<PathPlace> stations_;
     std::vector<machine::RotaryPosition> rotary_at_station_;  // law vector in workpiece space
     std::vector<std::size_t> first_station_of_piece_;
+    std::shared_ptr<const std::vector<detail::PolePiece>> pole_pieces_;  // ascending; null: none
 };
 
 }  // namespace trunnion::path

@@ -22,7 +22,8 @@ struct Surrounding;
 /// the runs point to and must outlive them; keeps references to program, machine, setup and stands.
 ///
 /// `stands`: where the rotary axes stand at the end of every move (choose_rotary_stands), one a move. Moves that are
-/// marked rebranched come as runs of law rotary.
+/// marked rebranched come as runs of law rotary. Where they change to the other branch inside a run it has a passage
+/// through the pole.
 /// A named tool is looked up in Setup::tools; a setup without that table gives its one [tool] to the first name that
 /// the program calls. G54 without an entry is the workpiece itself.
 ///
@@ -55,6 +56,7 @@ class PathBuilder {
     Eigen::Vector3d tool_axis() const;
     machine::AxisPosition here() const;
     void stand_where_it_leaves_the_pole(Run& run) const;
+    void find_passages(Run& run) const;
     OrientationLaw law_of(std::size_t move) const;
     StopCause stop_before(std::size_t move) const;
     void take_events(Run& run);

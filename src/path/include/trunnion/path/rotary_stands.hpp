@@ -22,16 +22,22 @@ namespace trunnion::path {
 /// axis stands where the next pose off the pole wants it, and stays where it is when none comes.
 /// A feed move of law vector after literal words goes on from where these put the axes.
 ///
-/// The path between poses is the programmed one. Ranges are looked at every 2° of turn: AxisPath judges the path that
-/// is moved.
+/// `pole_tolerance_rad` > 0: where cutting moves of law vector pass the pole within it, the axes may also go through
+/// it, as on vectors shifted sideways (pole_passage.hpp); smoothing has to lead the path so. That is weighed by rotary
+/// motion like everything else. At the poses meanwhile they stand as the programmed vectors want them, on the branch of
+/// the side of the passage: where the branch changes from one pose to the next a run goes through the pole.
 ///
-/// Errors: PATH0001, PATH0002, PATH0003, PATH0006, PATH0010 as PathBuilder, those of Kinematics::make; PATH0005 opposite tool
-/// axes; PATH0101 orientation out of reach; PATH0102 no choice keeps the axes inside their ranges: which one leaves
-/// first on the way that lasts longest, and after which retract and turn it would go on; PATH0103 the programmed path
-/// passes the pole too closely to follow.
-/// Cost: 0.5-1 µs a move, linear; 60 bytes a move. Source: dynamic programming over the stretches between retracts.
+/// The path between poses is otherwise the programmed one. Ranges are looked at every 2° of turn: AxisPath judges the
+/// path that is moved.
+///
+/// Errors: PATH0001, PATH0002, PATH0003, PATH0006, PATH0010 as PathBuilder, those of Kinematics::make; PATH0005
+/// opposite tool axes; PATH0101 orientation out of reach; PATH0102 no choice keeps the axes inside their ranges: which
+/// one leaves first on the way that lasts longest, and after which retract and turn it would go on; PATH0103 the
+/// programmed path passes the pole too closely to follow. Cost: 0.5-1 µs a move, linear; 60 bytes a move. Source:
+/// dynamic programming over the stretches between retracts.
 Result<std::vector<program::RotaryStand>> choose_rotary_stands(const program::Program& program,
                                                                const machine::Machine& machine,
-                                                               const machine::Setup& setup);
+                                                               const machine::Setup& setup,
+                                                               double pole_tolerance_rad = 0);
 
 }  // namespace trunnion::path

@@ -7,6 +7,7 @@
 
 #include "trunnion/geometry/helix.hpp"
 #include "trunnion/machine/kinematics.hpp"
+#include "trunnion/path/pole_passage.hpp"
 #include "trunnion/program/program.hpp"
 
 namespace trunnion::path {
@@ -57,6 +58,7 @@ struct Run {
     const machine::Kinematics* kinematics = nullptr;  ///< not owned
     std::vector<PathCoordinates> vertices;
     std::vector<machine::RotaryPosition> stands;  ///< law vector: where the rotary axes are to stand at every vertex
+    std::vector<PolePassage> passages;            ///< ascending: where the rotary axes are to go through the pole
     std::vector<Block> blocks;
     std::vector<program::Arc> arcs;  ///< in the frame of the vertices' positions
     std::vector<RunEvent> events;

@@ -13,6 +13,12 @@ enum class Rounding {
     none       ///< the programmed path itself, exact stop at every corner
 };
 
+/// What becomes of corners that stand alone, for Rounding::smooth.
+enum class Corners {
+    smooth,   ///< the same form as everything else
+    beudaert  ///< handed over to the rounding of Rounding::beudaert
+};
+
 /// How the parameters of the two curves of a corner belong together, for Rounding::beudaert.
 enum class Link {
     optimised,  ///< so that the tool turns C² (link.hpp)
@@ -22,6 +28,7 @@ enum class Link {
 /// What may be given away of the programmed path. A tolerance ≤ 0 gives nothing: as Rounding::none.
 struct SmoothingOptions {
     Rounding rounding = Rounding::smooth;
+    Corners corners = Corners::smooth;
     Link link = Link::optimised;
     double tip_tolerance_mm = 0.02;
     double orientation_tolerance_rad = 0.1 * 0.017453292519943295;
@@ -29,6 +36,9 @@ struct SmoothingOptions {
     double flank_height_mm = 30;
     double controlled_height_mm = 0;  ///< the point that the tip tolerance is of, so far up the tool axis from the tip
 };
+
+/// Whether these options leave nothing to round: Rounding::none, or a tolerance of 0.
+bool follows_exactly(const SmoothingOptions& options);
 
 /// Turns a run of programmed blocks into one or more stretches of C³ tool path, each from rest to rest, and appends
 /// them to `out`, in order.
@@ -62,6 +72,10 @@ struct SmoothingOptions {
 /// that of tip and rotary axes together. Both tolerances hold at equal p by the same hulls. It stands still
 /// (StopCause::corner) at vertices at which the tip or the point above it stands still on one side.
 ///
+/// Corners::beudaert hands programmed vertices over that stand alone as corners: their kink is a corner at its own
+/// scale and their bump takes less than half of the shorter block beside it. Joins are C² there. A corner without
+/// straight legs beside it stays with the others.
+///
 /// For Rounding::none, rapids, and runs of one block: positions are exact, orientations too (law vector: to 1e-10 rad),
 /// with an exact stop (StopCause::corner) at every vertex where the tangent of position or orientation changes at all,
 /// and at both ends of an arc, where curvature does. Arcs are exact to 3e-11 of their radius.
@@ -69,11 +83,11 @@ struct SmoothingOptions {
 /// Space machine: coordinates are the machine axes. The tip's deviation in the workpiece is bounded by that of the
 /// linear axes plus that of the rotary axes times the tip's largest distance from a rotary axis.
 ///
-/// A width is at most 6 mm (larger in proportion to the root of the tip tolerance above 0.01 mm) and at most the
-/// distance to the 256th neighbour on either side: blocks below 0.02 mm are smoothed over less length, at bounded cost.
+/// A width is at most 6 mm (larger in proportion to the root of the tip tolerance above 0.01 mm), whatever the length of
+/// the blocks. The run backwards gives the same path to 1 nm.
 ///
 /// Preconditions: as Run says; finite values. `run.kinematics` may be null under law vector in workpiece space.
-/// Cost: 5-60 µs a block, linear in the run's length. Allocates. Stateless, thread safe.
+/// Cost: 5-45 µs a block, linear in the run's length. Allocates. Stateless, thread safe.
 void smooth(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out);
 
 }  // namespace trunnion::smoothing
