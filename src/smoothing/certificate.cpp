@@ -45,8 +45,10 @@ class Prover {
         const double use = curve_.use_nearby(deviation, {vertex, 0});
         out_.use_at_vertex.push_back(use);
         if (use <= 1) return;
-        const double of_curve = measure_.use(curve_.bumps.deviation({vertex, 0}).curve, curve_.lever(vertex));
-        out_.excess.push_back({{vertex, 0}, 0, {std::min(of_curve, use), use}});
+        // Seen from the nearest places, curve and corners have the shares that they have at equal p.
+        const double lever = curve_.lever(vertex), all = measure_.use(deviation, lever);
+        const double of_curve = measure_.use(curve_.bumps.deviation({vertex, 0}).curve, lever);
+        out_.excess.push_back({{vertex, 0}, 0, {of_curve < all ? use * of_curve / all : use, use}});
     }
 
   private:
