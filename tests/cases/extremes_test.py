@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 
-SECONDS = 10
+SECONDS = 60
 OUTPUTS = {'-o': 'q.csv', '--summary': 's.json', '--programmed': 'p.csv', '--path': 'path.csv', '--events': 'e.csv'}
 MACHINE = 'name = "table of large ranges"\nchain = "C A X Y Z"\n' + ''.join(
     f'[axes.{axis}]\nrange = ["-9000 mm", "9000 mm"]\nmax_velocity = "500 mm/s"\nmax_acceleration = "3000 mm/s^2"\n'
@@ -98,9 +98,9 @@ CASES = [
 ]
 
 
-# With a tip tolerance far above what the orientation's allows, the tool is not kept to 0.1 deg from the place that is nearest to the tip,
-# only at equal p: its share of the tolerances is too small to be looked at from the nearest place.
-FROM_NEAREST_PLACE = {'tip tolerance of 10 m': 1.1, 'tip tolerance of 10 m, dense': 1.6}
+# With a tip tolerance far above what the orientation's allows, a lone corner leaves the tool this much more from the place that the
+# outside checker takes for the nearest.
+FROM_NEAREST_PLACE = {'tip tolerance of 10 m': 1.1}
 
 # A curve through both tolerances at every corner may come out too sharp to plan, or may leave the pole by rounding alone: said, not made.
 MAY_BE_REFUSED = {'beudaert': {'tip tolerance 1 nm': 'FEED0004', 'tip tolerance of 10 m, vectors': 'PATH0103',
@@ -154,14 +154,13 @@ class Case:
         summary = json.loads((self.out / 's.json').read_text())
         self.expect('not usable', summary['usable'])
         self.expect_within('summary', summary, summary['options'],
-                           ('tip_deviation_mm', 'orientation_deviation_deg'), 1)
+                           ('tip_deviation_mm', 'orientation_deviation_deg'))
         if not summary['setpoints']:
             return
         tip, turn = (max(summary['options'][key], 1e-3) for key in ('tip_tolerance_mm', 'orientation_tolerance_deg'))
         if self.name.endswith('tolerance 0'):
             self.expect('no exact stop at a corner, or not said', summary['exact_stops']['corners'] > 0 and (
                 'none' in self.rounding or any(d['code'] == 'PIPE0104' for d in summary['diagnostics'])))
-        turn *= FROM_NEAREST_PLACE.get(self.name, 1)
         checked = subprocess.run([self.trunnion, 'check', self.out / 'q.csv', '--against', self.folder / self.file, *self.common,
                                   '--tip-tolerance', f'{tip}mm', '--orientation-tolerance', f'{turn}deg', '--quiet'],
                                  capture_output=True, text=True)
@@ -183,7 +182,7 @@ class Case:
         self.expect_within('outside', verdict, options, ('tip_deviation_mm', 'tip_to_poses_mm', 'orientation_deviation_deg',
                                                          'orientation_to_poses_deg'), FROM_NEAREST_PLACE.get(self.name, 1))
 
-    def expect_within(self, who, found, options, keys, turned):
+    def expect_within(self, who, found, options, keys, turned=1):
         seen_mm = 1e-3 if who == 'outside' else 1e-9  # it compares with places some hundredths of a millimetre apart
         tip, turn = options['tip_tolerance_mm'] + seen_mm, options['orientation_tolerance_deg'] * turned + seen_mm
         for key in keys:
