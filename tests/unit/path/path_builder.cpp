@@ -316,6 +316,7 @@ TEST(PathBuilder, goes_from_vectors_to_words_and_back_where_the_axes_stand) {
 
 TEST(PathBuilder, says_where_a_run_goes_through_the_pole) {
     const auto machine = trunnion_table();
+    const machine::Setup setup;
     Program program;
     for (int k = 0; k <= 20; ++k) {
         Move move;
@@ -326,9 +327,9 @@ TEST(PathBuilder, says_where_a_run_goes_through_the_pole) {
         program.moves.push_back(move);
     }
     for (const double tolerance_rad : {0.0, 1.4e-3}) {
-        const auto stands = choose_rotary_stands(program, machine, {}, tolerance_rad);
+        const auto stands = choose_rotary_stands(program, machine, setup, tolerance_rad);
         ASSERT_TRUE(stands);
-        auto builder = PathBuilder::make(program, machine, {}, *stands);
+        auto builder = PathBuilder::make(program, machine, setup, *stands);
         ASSERT_TRUE(builder);
         const auto runs = runs_of(*builder);
         ASSERT_EQ(runs.size(), 1U);
