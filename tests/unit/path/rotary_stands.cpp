@@ -349,7 +349,8 @@ TEST(RotaryStands, go_around_the_pole_where_ranges_words_or_a_stop_want_it) {
     program.moves[20].exact_stop = false;
     const auto around = stands_with_tolerance(program, machine, 0);
     const auto at = [&](const RotaryStand& stand, double x) {
-        return words(vector_to(x, 0, 0, {}), stand.rotary_rad[C] / degree, stand.rotary_rad[A] / degree);
+        return words(vector_to(x, 0, 0, Eigen::Vector3d::UnitZ()), stand.rotary_rad[C] / degree,
+                     stand.rotary_rad[A] / degree);
     };
     Program between_words = program;  // which say how the axes stand on both sides
     between_words.moves.front() = at(around.front(), 0);
