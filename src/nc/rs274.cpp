@@ -199,11 +199,31 @@ bool Rs274Reader::modes() {
         modal_.plane_normal = 2 - (request_.code_of(Group::plane).tenths - 170) / 10;
     if (const Meaning centre = request_.of(Group::arc_distance); centre != Meaning::unknown)
         modal_.centre_absolute = centre == Meaning::absolute_centre;
-    if (const Meaning control = request_.of(Group::path_control); control != Meaning::unknown)
-        modal_.exact_stop = control == Meaning::exact_stop;
+    if (!path_control()) return false;
     if (const Meaning distance = request_.of(Group::distance); distance != Meaning::unknown)
         modal_.absolute = distance == Meaning::absolute;
     if (const Meaning motion = request_.of(Group::motion); motion != Meaning::unknown) modal_.motion = motion;
+    return true;
+}
+
+/// G64 alone: no tolerance, and blocks stay; with P: blocks may be merged within it too, unless Q says another length.
+bool Rs274Reader::path_control() {
+    const Meaning asked = request_.of(Group::path_control);
+    if (asked == Meaning::unknown) return true;
+    for (const char letter : {'P', 'Q'})
+        if (asked == Meaning::continuous && block_.has(letter) && block_[letter] < 0)
+            return refuse("NC0314", block_.spot(letter), "a tolerance is not negative",
+                          fmt::format("{}{}", letter, block_[letter]));
+    modal_.exact_stop = asked == Meaning::exact_stop;
+    program::PathControl control{.before_move = program_.moves.size()};
+    if (modal_.exact_stop) {
+        const bool always = request_.code_of(Group::path_control).tenths == 611;
+        control.kind = always ? program::PathControlKind::stop : program::PathControlKind::exact;
+    } else if (block_.has('P')) {
+        control.tolerance_mm = block_['P'] * modal_.unit_mm;
+        control.merge_tolerance_mm = block_.has('Q') ? block_['Q'] * modal_.unit_mm : control.tolerance_mm;
+    }
+    program_.path_controls.push_back(control);
     return true;
 }
 

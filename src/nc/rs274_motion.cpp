@@ -168,6 +168,8 @@ void Rs274Reader::drop_undetermined() {
     moves.erase(moves.begin(), moves.begin() + static_cast<std::ptrdiff_t>(first));
     if (!moves.empty()) moves.front().arc = program::no_arc;
     for (program::Event& event : program_.events) event.before_move -= std::min(event.before_move, first);
+    for (program::PathControl& control : program_.path_controls)
+        control.before_move -= std::min(control.before_move, first);
 }
 
 void Rs274Reader::keep_used_letters() {

@@ -97,6 +97,7 @@ class Rs274Reader {
     bool dwell();
     void units();
     bool modes();
+    bool path_control();
     bool offset();
     bool tool_length();
     Meaning motion_in_force() const;

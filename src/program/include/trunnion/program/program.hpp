@@ -87,6 +87,22 @@ struct Event {
     std::int32_t line = 0;
 };
 
+/// How a control is to pass from block to block.
+enum class PathControlKind : std::uint8_t {
+    stop,   ///< a standstill at every end (G61.1)
+    exact,  ///< exactly along the path, through tangent joints without a stop (G61)
+    blend   ///< as fast as the tolerance allows (G64)
+};
+
+/// A word of path control as it was said, from moves[before_move] on. Before the first one the control does as it does
+/// by itself. It is for models of controls: what is planned here has its own tolerances, and Move::exact_stop.
+struct PathControl {
+    PathControlKind kind = PathControlKind::blend;
+    double tolerance_mm = 0;        ///< G64 P; 0: none
+    double merge_tolerance_mm = 0;  ///< within which short blocks may become one (G64 Q); 0: they stay
+    std::size_t before_move = 0;
+};
+
 /// Where the rotary axes stand at the end of a move: chosen by path building where the program leaves it open.
 struct RotaryStand {
     std::array<double, 2> rotary_rad{};  ///< order of the machine's rotary axes, control's count
@@ -108,7 +124,8 @@ struct Program {
     std::vector<Move> moves;
     std::vector<Arc> arcs;
     std::vector<Event> events;
-    std::vector<Diagnostic> diagnostics;  ///< warnings, each once with its count
+    std::vector<PathControl> path_controls;  ///< words of path control, in order; rs274 only
+    std::vector<Diagnostic> diagnostics;     ///< warnings, each once with its count
 };
 
 }  // namespace trunnion::program
