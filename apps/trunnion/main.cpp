@@ -16,7 +16,9 @@ int run(int argc, char** argv) {
         "Exit status: 0 done, 1 done but a limit or tolerance is broken, 2 bad input or usage, 3 a fault of ours.");
     add_plan_command(app, status);
     add_check_command(app, status);
+    add_predict_command(app, status);
     add_machine_command(app, status);
+    add_controller_command(app, status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

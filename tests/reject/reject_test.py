@@ -9,8 +9,10 @@ import tempfile
 
 def command_line(words, out):
     """With every output that the command can write, into the folder `out`."""
-    if words[0] == 'machine':
+    if words[0] in ('machine', 'controller'):
         return words
+    if words[0] == 'predict':
+        return [*words, '--summary', f'{out}/s.json', '--samples', f'{out}/p.csv']
     if words[0] == 'check':
         return [*words, '--summary', f'{out}/s.json']
     return ['plan', *words, '-o', f'{out}/q.csv', '--summary', f'{out}/s.json', '--path', f'{out}/path.csv', '--programmed',
