@@ -19,7 +19,7 @@ namespace {
 
 struct PredictCommand {
     JobOptions job;
-    std::string controller, against, summary, samples, contact_tilt = "0deg";
+    std::string controller, against, before, summary, samples, contact_tilt = "0deg";
     bool no_uncertainty = false;
 };
 
@@ -33,15 +33,29 @@ Result<motion::Controller> controller_of(const std::string& name) {
                  .hint = fmt::format("give -c with a file or one of:{}", shipped)});
 }
 
+/// What is compared with: the same program on another control, or another program on the same one. Nothing: no
+/// comparison is asked for.
+Result<std::optional<motion::Prediction>> predict_other(const PredictCommand& command, const Job& job,
+                                                        const motion::Controller& controller,
+                                                        pipeline::PredictionOptions options) {
+    if (command.against.empty() && command.before.empty()) return std::nullopt;
+    options.uncertainty = false;
+    const auto other_controller =
+        command.against.empty() ? Result<motion::Controller>(controller) : controller_of(command.against);
+    if (!other_controller) return fail(other_controller.error());
+    JobOptions before = command.job;
+    before.program = command.before;
+    const auto other_job = command.before.empty() ? Result<Job>(job) : load(before);
+    if (!other_job) return fail(other_job.error());
+    auto found =
+        pipeline::predict(other_job->program, other_job->machine, other_job->setup, *other_controller, options);
+    if (!found) return fail(found.error());
+    return std::move(*found);
+}
+
 Result<std::string> run(const PredictCommand& command) {
     const auto controller = controller_of(command.controller);
     if (!controller) return fail(controller.error());
-    std::optional<motion::Controller> against;
-    if (!command.against.empty()) {
-        auto found = controller_of(command.against);
-        if (!found) return fail(found.error());
-        against = std::move(*found);
-    }
     const auto tilt = parse_quantity(command.contact_tilt, dimension::angle);
     if (!tilt) {
         auto error = tilt.error();
@@ -62,15 +76,9 @@ Result<std::string> run(const PredictCommand& command) {
     }
     const auto prediction = pipeline::predict(job->program, job->machine, job->setup, *controller, options, take_row);
     if (!prediction) return fail(prediction.error());
-    std::optional<motion::Prediction> other;
-    if (against) {
-        auto second = options;
-        second.uncertainty = false;
-        auto found = pipeline::predict(job->program, job->machine, job->setup, *against, second);
-        if (!found) return fail(found.error());
-        other = std::move(*found);
-    }
-    const motion::Prediction* compared = other ? &*other : nullptr;
+    const auto other = predict_other(command, *job, *controller, options);
+    if (!other) return fail(other.error());
+    const motion::Prediction* compared = *other ? &**other : nullptr;
     if (samples)
         if (auto written = samples->commit(); !written) return fail(written.error());
     if (!command.summary.empty())
@@ -97,7 +105,10 @@ void add_predict_command(CLI::App& app, int& status) {
     predict->add_option("program", command->job.program, "part program: APT CL data, RS-274 (LinuxCNC) or Sinumerik")
         ->required();
     predict->add_option("-c,--controller", command->controller, "shipped controller by name, or a controller file");
-    predict->add_option("--against", command->against, "another controller: by how much they differ, and where");
+    CLI::Option* against =
+        predict->add_option("--against", command->against, "another controller: by how much they differ, and where");
+    predict->add_option("--before", command->before, "this program as it was before a change: what the change gains")
+        ->excludes(against);
     predict->add_option("--summary", command->summary, "summary as JSON");
     predict->add_option("--samples", command->samples, "rows of the motion as CSV: axes, feeds, what limits");
     predict

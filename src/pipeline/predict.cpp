@@ -106,6 +106,7 @@ Result<Prediction> predict(const program::Program& program, const machine::Machi
 }
 
 std::vector<LineDifference> differences(const Prediction& one, const Prediction& other, std::size_t most) {
+    if (one.program != other.program) return {};
     std::map<int, LineDifference> by_line;
     for (const motion::LineTime& line : one.lines) by_line[line.line].time_s += line.duration_s;
     for (const motion::LineTime& line : other.lines) by_line[line.line].other_s += line.duration_s;

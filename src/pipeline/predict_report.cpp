@@ -78,7 +78,8 @@ ordered_json against_json(const Prediction& p, const Prediction& other) {
     ordered_json lines = ordered_json::array();
     for (const LineDifference& d : differences(p, other, lines_compared))
         lines.push_back({{"line", d.line}, {"time_s", d.time_s}, {"other_s", d.other_s}});
-    return {{"controller", other.controller},
+    return {{"program", other.program},
+            {"controller", other.controller},
             {"cycle_time_s", other.cycle_time_s},
             {"difference_s", p.cycle_time_s - other.cycle_time_s},
             {"lines", lines}};
@@ -120,9 +121,11 @@ std::string report(const Prediction& p, const machine::Machine& machine, const P
                                  d.lost_s, to_string(d.cause, machine)));
     if (!other) return out;
     const double more = p.cycle_time_s - other->cycle_time_s;
-    line("against",
-         fmt::format("{}: {:.3f} s; this one takes {:.3f} s {} ({:+.1f} %)", other->controller, other->cycle_time_s,
-                     std::abs(more), more < 0 ? "less" : "more", 100 * (p.cycle_time_s / other->cycle_time_s - 1)));
+    const bool same_program = p.program == other->program;
+    line(same_program ? "against" : "before",
+         fmt::format("{}: {:.3f} s; this one takes {:.3f} s {} ({:+.1f} %)",
+                     same_program ? other->controller : other->program, other->cycle_time_s, std::abs(more),
+                     more < 0 ? "less" : "more", 100 * (p.cycle_time_s / other->cycle_time_s - 1)));
     for (const LineDifference& d : differences(p, *other, lines_compared / 2))
         line("", fmt::format("line {}: {:.3f} s, there {:.3f} s", d.line, d.time_s, d.other_s));
     return out;

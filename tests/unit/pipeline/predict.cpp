@@ -117,6 +117,16 @@ TEST(Predict, JsonHasTheNamesOfTheInterfaces) {
     EXPECT_NE(report(paper, job.machine, {}, &cam).find(cam.controller), std::string::npos);
 }
 
+TEST(Predict, OfAnotherProgramComparesTimesButNoLines) {
+    const Job job;
+    const auto now = job.predicted("lavernhe-2006");
+    auto before = job.predicted("length-over-feed");
+    EXPECT_FALSE(differences(now, before, 3).empty());
+    before.program = "before.ngc";
+    EXPECT_TRUE(differences(now, before, 3).empty());
+    EXPECT_NE(report(now, job.machine, {}, &before).find("before.ngc"), std::string::npos);
+}
+
 TEST(Predict, SamplesAsCsv) {
     const Job job;
     const auto path = std::filesystem::temp_directory_path() / "trunnion_prediction.csv";

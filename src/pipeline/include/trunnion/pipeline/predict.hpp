@@ -32,7 +32,8 @@ struct LineDifference {
     int line = 0;
     double time_s = 0, other_s = 0;
 };
-/// Where two predictions of one program differ most, at most `most` lines, the largest difference first.
+/// Where two predictions of one program differ most, at most `most` lines, the largest difference first. Of two
+/// programs: nothing, their lines do not belong together.
 std::vector<LineDifference> differences(const motion::Prediction& one, const motion::Prediction& other,
                                         std::size_t most);
 
