@@ -37,14 +37,8 @@ path::Run corners_and_curve() {
 }
 
 void expect_lawful(const Walk& w, const SmoothingOptions& o) {
-    EXPECT_TRUE(w.finite);
-    EXPECT_LE(w.over_tip, 1e-9);
-    EXPECT_LE(w.over_turn, 1e-9);
-    EXPECT_LE(w.over_height, 1e-8);
-    EXPECT_LE(w.bound_tip_mm, o.tip_tolerance_mm);
-    EXPECT_LE(w.bound_turn_rad, o.orientation_tolerance_rad);
+    expect_bounded(w, o);
     EXPECT_LE(w.jump_to_c2, 1e-8);
-    EXPECT_LE(w.end_miss, 1e-9);
 }
 
 TEST(HandedCorners, AreRoundedWithinTheTolerances) {

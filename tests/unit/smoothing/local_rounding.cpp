@@ -36,18 +36,8 @@ std::vector<path::ToolPath> rounded(const path::Run& run, const SmoothingOptions
 /// `c2`: pieces a thousandth as long as their corner feel the rounding of coordinates.
 Walk expect_lawful(const path::Run& run, const SmoothingOptions& o, double c2 = 1e-9) {
     const Walk w = walk(run, rounded(run, o), o.flank_height_mm, o.controlled_height_mm, 24);
-    EXPECT_TRUE(w.finite);
-    EXPECT_LE(w.over_tip, 1e-9) << "the bound does not hold";
-    EXPECT_LE(w.over_turn, 1e-9);
-    EXPECT_LE(w.over_height, 1e-8);
-    EXPECT_LE(w.bound_tip_mm, o.tip_tolerance_mm);
-    if (o.flank_tolerance_mm > 0) {
-        EXPECT_LE(w.bound_height_mm, o.flank_tolerance_mm);
-    } else {
-        EXPECT_LE(w.bound_turn_rad, o.orientation_tolerance_rad);
-    }
+    expect_bounded(w, o);
     EXPECT_LE(w.jump_to_c2, c2) << "not C2";
-    EXPECT_LE(w.end_miss, 1e-9);
     EXPECT_LE(w.end_second, 1e-8);
     return w;
 }

@@ -4,9 +4,11 @@
 #include <limits>
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 #include "trunnion/geometry/great_circle.hpp"
 #include "trunnion/path/tool_path.hpp"
+#include "trunnion/smoothing/smoothing.hpp"
 
 #include "runs.hpp"
 
@@ -166,6 +168,21 @@ inline Walk walk(const path::Run& run, const std::vector<path::ToolPath>& paths,
         }
     }
     return w;
+}
+
+/// The bounds hold what is seen, and keep the tolerances; both ends are the programmed ones.
+inline void expect_bounded(const Walk& w, const SmoothingOptions& o) {
+    EXPECT_TRUE(w.finite);
+    EXPECT_LE(w.over_tip, 1e-9) << "the bound does not hold";
+    EXPECT_LE(w.over_turn, 1e-9);
+    EXPECT_LE(w.over_height, 1e-8);
+    EXPECT_LE(w.bound_tip_mm, o.tip_tolerance_mm);
+    if (o.flank_tolerance_mm > 0) {
+        EXPECT_LE(w.bound_height_mm, o.flank_tolerance_mm);
+    } else {
+        EXPECT_LE(w.bound_turn_rad, o.orientation_tolerance_rad);
+    }
+    EXPECT_LE(w.end_miss, 1e-9);
 }
 
 }  // namespace trunnion::smoothing::test
