@@ -7,6 +7,8 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/pipeline/predict.hpp"
 
+#include "detail/diagnostics_json.hpp"
+
 namespace trunnion::pipeline {
 
 using motion::Prediction;
@@ -59,18 +61,6 @@ ordered_json drops_json(const Prediction& p, const machine::Machine& machine) {
                        {"programmed_feed_mm_min", d.programmed_feed_mm_s * 60},
                        {"lost_s", d.lost_s},
                        {"cause", to_string(d.cause, machine)}});
-    return out;
-}
-
-ordered_json diagnostics_json(const Prediction& p) {
-    ordered_json out = ordered_json::array();
-    for (const Diagnostic& d : p.diagnostics)
-        out.push_back({{"code", d.code},
-                       {"severity", to_string(d.severity)},
-                       {"line", d.place.line},
-                       {"text", d.text},
-                       {"count", d.count},
-                       {"hint", d.hint}});
     return out;
 }
 
@@ -161,7 +151,7 @@ std::string to_json(const Prediction& p, const machine::Machine& machine, const 
     out["feed_drops"] = drops_json(p, machine);
     out["doubts"] = doubts_json(p);
     if (other) out["against"] = against_json(p, *other);
-    out["diagnostics"] = diagnostics_json(p);
+    out["diagnostics"] = diagnostics_json(p.diagnostics);
     return out.dump(2) + "\n";
 }
 

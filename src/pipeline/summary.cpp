@@ -8,6 +8,8 @@
 
 #include "trunnion/base/quantity.hpp"
 
+#include "detail/diagnostics_json.hpp"
+
 namespace trunnion::pipeline {
 
 using nlohmann::ordered_json;
@@ -18,20 +20,6 @@ constexpr double allowed_ratio = 1.001;
 constexpr double allowed_deviation = 1 + 1e-6;
 constexpr double rounding_deviation = 1e-9;  // mm or rad, of what is followed exactly
 constexpr double worth_telling_s = 1e-3;
-
-ordered_json diagnostics_json(const std::vector<Diagnostic>& diagnostics) {
-    ordered_json out = ordered_json::array();
-    for (const Diagnostic& d : diagnostics)
-        out.push_back({{"code", d.code},
-                       {"severity", to_string(d.severity)},
-                       {"line", d.place.line},
-                       {"text", d.text},
-                       {"value", d.value},
-                       {"limit", d.limit},
-                       {"count", d.count},
-                       {"hint", d.hint}});
-    return out;
-}
 
 ordered_json drops_json(const std::vector<FeedDrop>& drops) {
     ordered_json out = ordered_json::array();
