@@ -97,7 +97,7 @@ class Joiner {
         const CornerLegs legs{{back.away, ahead.away},
                               {back.length_mm, ahead.length_mm},
                               {share(vertex - 1, back), share(vertex, ahead)},
-                              lever_at(run_, at)};
+                              std::max(lever_at(run_, at), least_lever)};
         const auto corner = round_corner(at, legs, link_, measure_, hull_);
         if (!corner || !corner->joins_smoothly) return false;
         put_together(before, std::move(after), *corner);

@@ -74,7 +74,7 @@ class LocalRounding {
             {line_.vertex[vertex - 1] - line_.vertex[vertex], line_.vertex[vertex + 1] - line_.vertex[vertex]},
             {line_.gap_mm[vertex - 1], line_.gap_mm[vertex]},
             {half_block, half_block},
-            line_.lever[vertex]};
+            std::max(line_.lever[vertex], least_lever)};
         return round_corner(line_.vertex[vertex], legs, options_.link, measure_, hull_);
     }
 

@@ -378,7 +378,7 @@ CornerCurves::Inner inner_by_tolerance(const CornerLegs& legs, const TopPoint& t
 
 std::optional<RoundedCorner> round_corner(const Coordinates& at, const CornerLegs& legs, Link link,
                                           const Measure& measure, DeviationHull& hull) {
-    const TopPoint top_point(measure, std::max(legs.lever, least_lever));
+    const TopPoint top_point(measure, legs.lever);
     CornerCurves::Inner inner = inner_by_tolerance(legs, top_point, measure);
     for (int round = 0; round < most_narrowings; ++round) {
         const auto curves = CornerCurves::make(legs, top_point, link, inner);

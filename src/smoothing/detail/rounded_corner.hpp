@@ -16,7 +16,7 @@ struct CornerLegs {
     std::array<Coordinates, 2> to_neighbour;  ///< before, after
     std::array<double, 2> gap_mm;
     std::array<double, 2> free_share;  ///< of each leg that the corner may take
-    double lever = 1;
+    double lever = 1;                  ///< at least least_lever
 };
 
 /// A vertex of a polyline rounded by two corner splines with linked parameters: tip and top point under law vector,

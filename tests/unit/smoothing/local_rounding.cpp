@@ -130,6 +130,14 @@ TEST(LocalRounding, InMachineSpaceCountsTheArm) {
     expect_lawful(run, local());
 }
 
+TEST(LocalRounding, OfRotaryWordsAtThePoleKeepsTheTolerances) {
+    const auto run =
+        run_through({{0, 0, 0, 0, 0, 0}, {20, 0, 0, 0, 0.8, 0}, {20, 20, 0, 0, 0.5, 0}, {40, 20, 0, 0.1, 0.5, 0}},
+                    OrientationLaw::rotary);
+    const Walk w = expect_lawful(run, local());
+    EXPECT_EQ(w.stretches, 1U);
+}
+
 TEST(LocalRounding, StandsStillAtReversalsAndWhereTheTipDoes) {
     const auto back = rounded(upright({{0, 0, 0}, {50, 0, 0}, {10, 0, 0}}), local());
     ASSERT_EQ(back.size(), 2U);
