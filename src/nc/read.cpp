@@ -46,13 +46,18 @@ std::string_view name_of(Dialect dialect) noexcept {
         case Dialect::rs274:
             return "rs274";
         case Dialect::sinumerik:
+            return "sinumerik";
+        case Dialect::heidenhain:
+            return "heidenhain";
+        case Dialect::fanuc:
             break;
     }
-    return "sinumerik";
+    return "fanuc";
 }
 
 std::optional<Dialect> dialect_named(std::string_view name) noexcept {
-    for (const Dialect dialect : {Dialect::apt, Dialect::rs274, Dialect::sinumerik})
+    for (const Dialect dialect :
+         {Dialect::apt, Dialect::rs274, Dialect::sinumerik, Dialect::heidenhain, Dialect::fanuc})
         if (name_of(dialect) == name) return dialect;
     return {};
 }
@@ -89,9 +94,13 @@ Result<program::Program> read_program(std::string_view text, std::string_view fi
         case Dialect::rs274:
             return read_rs274(text, file_name, options);
         case Dialect::sinumerik:
+            return read_sinumerik(text, file_name, options);
+        case Dialect::heidenhain:
+            return read_heidenhain(text, file_name, options);
+        case Dialect::fanuc:
             break;
     }
-    return read_sinumerik(text, file_name, options);
+    return read_fanuc(text, file_name, options);
 }
 
 Result<program::Program> read_program_file(const std::filesystem::path& file, const ReadOptions& options) {

@@ -104,11 +104,12 @@ bool is_sinumerik_line(std::string_view line) {
     return false;
 }
 
-/// Which of the two kinds of G-code it is, from a line on that could be either.
+/// Which kind of G-code it is, from a line on that could be either.
 Dialect which_g_code(std::string_view line, LineScanner lines) {
     const int last = lines.number() + lines_that_may_tell;
     do {
         if (is_sinumerik_line(trimmed(line))) return Dialect::sinumerik;
+        if (is_fanuc_line(trimmed(line))) return Dialect::fanuc;
     } while (lines.number() < last && lines.next(line));
     return Dialect::rs274;
 }
@@ -117,7 +118,7 @@ Diagnostic not_recognised(int line) {
     Diagnostic diagnostic{.code = "NC0004", .text = "not recognised as a part program in a dialect that is read"};
     diagnostic.place.line = line;
     diagnostic.place.column = 1;
-    diagnostic.hint = "apt, rs274 and sinumerik are read; --dialect says which one it is";
+    diagnostic.hint = "apt, rs274, sinumerik, heidenhain and fanuc are read; --dialect says which one it is";
     return diagnostic;
 }
 
@@ -133,6 +134,7 @@ Result<Dialect> recognise(std::string_view text) {
         line = trimmed(line);
         if (line.empty()) continue;
         if (line.starts_with("$$") || is_apt_statement(line) || is_pose(line)) return Dialect::apt;
+        if (is_heidenhain_line(line)) return Dialect::heidenhain;
         if (is_rs274_block(line) || is_sinumerik_line(line)) return which_g_code(line, lines);
         return fail(not_recognised(lines.number()));
     }

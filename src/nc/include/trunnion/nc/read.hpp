@@ -13,12 +13,14 @@ namespace trunnion::nc {
 
 /// The languages of part programs that are read.
 enum class Dialect : std::uint8_t {
-    apt,       ///< APT cutter location data, and bare lists of poses (x y z or x y z i j k a line)
-    rs274,     ///< G-code as LinuxCNC takes it
-    sinumerik  ///< SINUMERIK 840D and its like
+    apt,         ///< APT cutter location data, and bare lists of poses (x y z or x y z i j k a line)
+    rs274,       ///< G-code as LinuxCNC takes it
+    sinumerik,   ///< SINUMERIK 840D and its like
+    heidenhain,  ///< HEIDENHAIN Klartext
+    fanuc        ///< ISO code as FANUC and its like take it
 };
 
-/// `apt`, `rs274`, `sinumerik`.
+/// `apt`, `rs274`, `sinumerik`, `heidenhain`, `fanuc`.
 std::string_view name_of(Dialect dialect) noexcept;
 std::optional<Dialect> dialect_named(std::string_view name) noexcept;
 

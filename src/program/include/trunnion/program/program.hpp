@@ -54,6 +54,28 @@ struct Arc {
 
 inline constexpr std::int32_t no_arc = -1;
 
+/// A curve that the program itself gives as piecewise polynomials (BSPLINE, POLY, NURBS): C(u) = Σ N_{i,p}(u) w_i P_i /
+/// Σ N_{i,p}(u) w_i for u from knots[p] to knots[n], n control points, degree p. Basis as in geometry::BsplineCurve.
+struct Curve {
+    int degree = 3;                            ///< p, 1 … 7
+    std::vector<double> knots;                 ///< n + p + 1, never falling
+    std::vector<Eigen::Vector3d> position_mm;  ///< control points, in the space of its moves
+    std::vector<double> weights;               ///< by control point, positive; empty: all 1
+    /// Law vector: the tool axis is the direction of Σ N_i w_i axis_i ≠ 0, which need not be unit; of a dual spline
+    /// (top − bottom). Empty: it turns from a move's start to its end in proportion to u.
+    std::vector<Eigen::Vector3d> axis;
+    /// Law rotary: the words are Σ N_i w_i rotary_i / Σ N_i w_i. Empty: linear in u from a move's start to its end.
+    std::vector<std::array<double, max_rotary_letters>> rotary_rad;
+};
+
+/// The part of a curve that one move follows, from_u < to_u; the end of the move before lies at C(from_u).
+struct CurvePart {
+    std::int32_t curve = 0;  ///< index in Program::curves
+    double from_u = 0, to_u = 1;
+};
+
+inline constexpr std::int32_t no_curve_part = -1;
+
 /// One move, modal words resolved: where it ends and how it gets there from the end of the move before.
 struct Move {
     /// Its end, in its space. NaN: this coordinate, as it counts in the move's space, offset and tool, ends where it
@@ -64,7 +86,8 @@ struct Move {
     std::array<double, max_rotary_letters> rotary_rad{};  ///< law rotary: literal words at its end, order of
                                                           ///< Program::rotary_letters; NaN: the axis stays where it
                                                           ///< stands (no word since a move of law vector)
-    std::int32_t arc = no_arc;                            ///< index in Program::arcs; no_arc: straight
+    std::int32_t arc = no_arc;                            ///< index in Program::arcs; no_arc: no arc
+    std::int32_t curve_part = no_curve_part;  ///< index in Program::curve_parts; neither arc nor curve: straight
     Feed feed;
     MoveKind kind = MoveKind::feed;
     Space space = Space::workpiece;
@@ -116,13 +139,15 @@ struct RotaryStand {
 struct Program {
     std::string name;                               ///< as the program says, or the file's stem
     std::string source;                             ///< the file
-    std::string dialect;                            ///< "apt", "rs274", "sinumerik"
+    std::string dialect;                            ///< "apt", "rs274", "sinumerik", "heidenhain", "fanuc"
     std::vector<char> rotary_letters;               ///< of law rotary, order of Move::rotary_rad
     std::vector<std::string> tools{std::string{}};  ///< [0] = the program names none
     std::vector<std::string> offsets{
         std::string{}};  ///< [0] = the setup's workpiece itself (G54 too unless the setup has it)
     std::vector<Move> moves;
     std::vector<Arc> arcs;
+    std::vector<Curve> curves;
+    std::vector<CurvePart> curve_parts;
     std::vector<Event> events;
     std::vector<PathControl> path_controls;  ///< words of path control, in order; rs274 only
     std::vector<Diagnostic> diagnostics;     ///< warnings, each once with its count
