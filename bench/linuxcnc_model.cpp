@@ -2,10 +2,12 @@
 //
 //     bench_linuxcnc_model PROGRAM MACHINE SETUP [SETTING=VALUE…] [--rows]
 //
-// Settings by their INI names; FEED_FACTOR multiplies F words, ACCELERATION_FACTOR the limit of X (how far a
-// program's time depends on the last digits is seen with 1.0000000000001). The machine stands at the program's zero at
-// first. Without --rows one line of JSON, with it one row a servo period as CSV, mm and degrees, and the JSON on
-// stderr.
+// Settings by their INI names in place of those of linuxcnc-2.9; FEED_OVERRIDE and RAPID_OVERRIDE; FEED_FACTOR
+// multiplies F words, ACCELERATION_FACTOR the limit of X (how far a program's time depends on the last digits is seen
+// with 1.0000000000001). The machine stands at the program's zero at first. Without --rows one line of JSON, with it
+// one row a servo period as CSV, mm and degrees, and the JSON on stderr.
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +19,7 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/controller/linuxcnc.hpp"
+#include "trunnion/files/controller_file.hpp"
 #include "trunnion/files/machine_file.hpp"
 #include "trunnion/files/setup_file.hpp"
 #include "trunnion/machine/kinematics.hpp"
@@ -34,20 +37,18 @@ int refused(const Diagnostic& diagnostic) {
     return 2;
 }
 
-bool set(LinuxcncSettings& settings, std::string_view name, double value) {
-    const std::map<std::string_view, double*> numbers{{"SERVO_PERIOD", &settings.servo_period_s},
-                                                      {"MAX_LINEAR_VELOCITY", &settings.max_linear_velocity_mm_s},
-                                                      {"MAX_FEED_OVERRIDE", &settings.max_feed_override},
-                                                      {"ARC_BLEND_GAP_CYCLES", &settings.gap_cycles},
-                                                      {"ARC_BLEND_RAMP_FREQ", &settings.ramp_frequency_hz},
-                                                      {"ARC_BLEND_KINK_RATIO", &settings.kink_ratio},
-                                                      {"FEED_OVERRIDE", &settings.feed_override},
-                                                      {"RAPID_OVERRIDE", &settings.rapid_override}};
-    if (name == "ARC_BLEND_OPTIMIZATION_DEPTH") settings.optimization_depth = static_cast<int>(value);
-    if (name == "ARC_BLEND_ENABLE") settings.arc_blends = value != 0;
-    const auto found = numbers.find(name);
-    if (found != numbers.end()) *found->second = value;
-    return found != numbers.end() || name == "ARC_BLEND_OPTIMIZATION_DEPTH" || name == "ARC_BLEND_ENABLE";
+/// A parameter of the controller file by its name in LinuxCNC's INI, in seconds, mm and Hz.
+bool set(motion::Controller& control, std::string name, double value) {
+    std::ranges::transform(name, name.begin(), [](unsigned char letter) { return std::tolower(letter); });
+    if (name == motion::facts_of(motion::ChoiceId::arc_blend_enable).key) {
+        control.arc_blend_enable.way = value != 0 ? motion::Switch::on : motion::Switch::off;
+        return true;
+    }
+    const auto parameters = motion::used_parameters(control);
+    const auto found = std::ranges::find(parameters, name, &motion::NamedParameter::name);
+    if (found == parameters.end()) return false;
+    found->parameter->value = value;
+    return true;
 }
 
 /// F words times `factor`, as an operator would edit them.
@@ -59,8 +60,7 @@ void scale_feeds(program::Program& program, double factor) {
 
 void scale_accelerations(LinuxcncSettings& settings, const machine::Machine& machine, double factor) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(machine.axis_count); ++i)
-        settings.axis_limits[machine.axes[i].letter] = {machine.axes[i].feed.velocity,
-                                                        machine.axes[i].feed.acceleration * factor};
+        settings.axis_limits[machine.axes[i].letter].acceleration = machine.axes[i].feed.acceleration * factor;
 }
 
 void print_row(const LinuxcncRow& row, const machine::Machine& machine) {
@@ -81,7 +81,7 @@ std::string json(const LinuxcncRun& run, const machine::Machine& machine, double
     return fmt::format(
         R"({{"cycle_time_s":{:.9g},"length_over_feed_s":{:.9g},"wait_s":{:.9g},"rows":{},"segments":{},"arc_blends":{},)"
         R"("velocity":[{}],"acceleration":[{}],"elapsed_s":{:.3f}}})",
-        run.cycle_time_s, run.length_over_feed_s, run.wait_s, run.rows, run.segments, run.arc_blends, velocity,
+        run.cycle_time_s, run.length_over_feed_s, run.wait_s(), run.rows, run.segments, run.arc_blends, velocity,
         acceleration, elapsed_s);
 }
 
@@ -113,7 +113,9 @@ int main(int argc, char** argv) {
     if (!kinematics) return refused(kinematics.error());
     setup->start = at_zero(*machine, *kinematics);
 
-    LinuxcncSettings settings;
+    auto control = files::read_controller_file(TRUNNION_SOURCE_DIR "/data/controllers/linuxcnc-2.9.toml");
+    if (!control) return refused(control.error());
+    double acceleration_factor = 1, feed_override = 1, rapid_override = 1;
     bool rows = false;
     for (int i = 4; i < argc; ++i) {
         const std::string_view word = argv[i];
@@ -124,14 +126,23 @@ int main(int argc, char** argv) {
         else if (word.substr(0, equals) == "FEED_FACTOR")
             scale_feeds(*program, value);
         else if (word.substr(0, equals) == "ACCELERATION_FACTOR")
-            scale_accelerations(settings, *machine, value);
-        else if (!set(settings, word.substr(0, equals), value)) {
+            acceleration_factor = value;
+        else if (word.substr(0, equals) == "FEED_OVERRIDE")
+            feed_override = value;
+        else if (word.substr(0, equals) == "RAPID_OVERRIDE")
+            rapid_override = value;
+        else if (!set(*control, std::string(word.substr(0, equals)), value)) {
             fmt::print(stderr, "no such setting: {}\n", word);
             return 2;
         }
     }
+    auto settings = controller::linuxcnc_settings(*control);
+    if (!settings) return refused(settings.error());
+    settings->feed_override = feed_override;
+    settings->rapid_override = rapid_override;
+    if (acceleration_factor != 1) scale_accelerations(*settings, *machine, acceleration_factor);
     const auto begin = std::chrono::steady_clock::now();
-    const auto run = controller::run_as_linuxcnc(*program, *machine, *setup, settings, [&](const LinuxcncRow& row) {
+    const auto run = controller::run_as_linuxcnc(*program, *machine, *setup, *settings, [&](const LinuxcncRow& row) {
         if (rows) print_row(row, *machine);
     });
     if (!run) return refused(run.error());

@@ -34,24 +34,23 @@ std::string value_text(const motion::Parameter& parameter, const motion::Paramet
     return facts.unit.empty() ? out : fmt::format("{} {}", out, facts.unit);
 }
 
-void print_controller(const motion::Controller& controller) {
+void print_line(std::string_view name, const std::string& value, motion::Source source, std::string_view meaning) {
+    fmt::print("  {:<29}{:<20}{:<12}{}\n", name, value, to_string(source), meaning);
+}
+
+void print_controller(motion::Controller controller) {
     fmt::print("{}\n{}\nkind {}\n", controller.name, controller.file, to_string(controller.kind));
     if (!controller.description.empty()) fmt::print("{}\n", controller.description);
-    if (controller.kind != motion::ControllerKind::blocks) return;
     for (std::size_t i = 0; i < motion::choice_count; ++i) {
         const auto id = static_cast<motion::ChoiceId>(i);
-        const auto& facts = motion::facts_of(id);
-        const auto choice = motion::choice_of(controller, id);
-        fmt::print("  {:<22}{:<20}{:<12}{}\n", facts.key, facts.words[static_cast<std::size_t>(choice.way)],
-                   to_string(choice.source), facts.meaning);
-    }
-    for (std::size_t i = 0; i < motion::parameter_count; ++i) {
-        const auto id = static_cast<motion::ParameterId>(i);
         if (!motion::is_used(controller, id)) continue;
         const auto& facts = motion::facts_of(id);
-        fmt::print("  {:<22}{:<20}{:<12}{}\n", facts.key, value_text(controller[id], facts),
-                   to_string(controller[id].source), facts.meaning);
+        const auto choice = motion::choice_of(controller, id);
+        print_line(facts.key, std::string(facts.words[static_cast<std::size_t>(choice.way)]), choice.source,
+                   facts.meaning);
     }
+    for (const auto& [name, facts, parameter] : motion::used_parameters(controller))
+        print_line(name, value_text(*parameter, *facts), parameter->source, facts->meaning);
 }
 
 int show_controller(const std::string& name) {

@@ -62,8 +62,12 @@ Result<std::string> run(const PredictCommand& command) {
         error.text = "--contact-tilt: " + error.text;
         return fail(error);
     }
-    const auto job = load(command.job);
-    if (!job) return fail(job.error());
+    auto job = load(command.job);
+    if (!job) {
+        if (job.error().code == "NC0005")
+            job.error().hint = "a control goes to a single position from where it stands, and that nobody knows";
+        return fail(job.error());
+    }
     const pipeline::PredictionOptions options{
         .plan = job->options, .contact_lead_rad = *tilt, .uncertainty = !command.no_uncertainty};
     std::optional<pipeline::PredictionFile> samples;

@@ -94,7 +94,11 @@ double BlockPlanner::time_of(std::vector<SegmentSpeed>* speeds) {
             s.limit = limit_of(i, peak);
             s.from_limit = limit_at(i, s.limit);
             s.to_limit = limit_at(i + 1, s.limit);
-            if (s.rise_s + s.fall_s > 0) s.acceleration_mm_s2 = ramp.acceleration(peak);
+            if (s.rise_s + s.fall_s > 0) {
+                s.acceleration_mm_s2 = ramp.acceleration(peak);
+                s.jerk_mm_s3 = piece.jerk;
+            }
+            if (!jerk_limited_) s.jerk_mm_s3 = std::numeric_limits<double>::quiet_NaN();
             (*speeds)[i] = s;
         }
         if (to > 0) continue;

@@ -21,13 +21,8 @@ bool is_of_stops(ParameterId id) {
 Doubts::Doubts(const Controller& controller, const program::Program& program) {
     for (std::size_t i = 0; i < motion::parameter_count; ++i) {
         const auto id = static_cast<ParameterId>(i);
-        const motion::Parameter& parameter = controller[id];
-        if (!motion::is_used(controller, id) || !(parameter.spread > 0) || !std::isfinite(parameter.value)) continue;
-        const auto& facts = motion::facts_of(id);
-        double low = std::clamp(parameter.value - parameter.spread, facts.least, facts.most);
-        double high = std::clamp(parameter.value + parameter.spread, facts.least, facts.most);
-        if (facts.whole) low = std::floor(low), high = std::ceil(high);
-        add_pair(controller, id, low, high, program);
+        const auto [low, high] = motion::truth_of(controller[id], motion::facts_of(id));
+        if (motion::is_used(controller, id) && low < high) add_pair(controller, id, low, high, program);
     }
 }
 
@@ -52,16 +47,19 @@ void Doubts::add(const path::Run& run, const RunGeometry& geometry, const machin
 }
 
 void Doubts::finish(motion::Prediction& prediction) const {
-    double squares = 0;
     for (std::size_t i = 0; i + 1 < variants_.size(); i += 2) {
         const Variant &low = variants_[i], &high = variants_[i + 1];
-        const double half = 0.5 * std::abs(high.time_s - low.time_s);
-        squares += half * half;
         prediction.doubts.push_back({std::string(motion::facts_of(low.id).key), low.controller[low.id].value,
                                      high.controller[high.id].value, low.time_s, high.time_s});
     }
-    std::ranges::stable_sort(prediction.doubts, std::ranges::greater{},
-                             [](const motion::Doubt& doubt) { return std::abs(doubt.time_high_s - doubt.time_low_s); });
+    sum_up_doubts(prediction);
+}
+
+void sum_up_doubts(motion::Prediction& prediction) {
+    const auto difference = [](const motion::Doubt& doubt) { return std::abs(doubt.time_high_s - doubt.time_low_s); };
+    double squares = 0;
+    for (const motion::Doubt& doubt : prediction.doubts) squares += 0.25 * difference(doubt) * difference(doubt);
+    std::ranges::stable_sort(prediction.doubts, std::ranges::greater{}, difference);
     prediction.uncertainty_s = std::sqrt(squares);
 }
 

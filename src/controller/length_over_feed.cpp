@@ -88,7 +88,7 @@ class Sum {
         for (std::size_t a = 0; a < static_cast<std::size_t>(machine_.axis_count); ++a) {
             velocity[a] = (to.axes[a] - from.axes[a]) / piece.duration_s;
             const machine::Axis& axis = machine_.axes[a];
-            account_.note_load(a, std::abs(velocity[a]) / (run.rapid ? axis.rapid : axis.feed).velocity, 0);
+            account_.note_load(a, std::abs(velocity[a]) / (run.rapid ? axis.rapid : axis.feed).velocity, 0, NAN);
         }
         give_row(from, velocity, piece);
         account_.add(piece);

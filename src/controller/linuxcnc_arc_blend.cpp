@@ -24,13 +24,20 @@ struct Leg {
     double usable_mm = 0;
 };
 
+/// A limit, and the axis that it comes from.
+struct AxisLimit {
+    double value = std::numeric_limits<double>::infinity();
+    int slot = -1;
+};
+
 /// The largest value of a vector along any direction of the plane across `normal`, limited axis by axis.
-double least_in_plane(const Vector3d& limit, const Vector3d& normal) {
-    double least = std::numeric_limits<double>::infinity();
+AxisLimit least_in_plane(const Vector3d& limit, const Vector3d& normal) {
+    AxisLimit least;
     for (int i = 0; i < 3; ++i) {
         Vector3d in_plane = (Vector3d::Unit(i) - normal[i] * normal).cwiseAbs();
         in_plane[i] = std::max(in_plane[i], 1e-12);
-        least = std::min(least, limit[i] / in_plane.norm());
+        const double most = limit[i] / in_plane.norm();
+        if (most < least.value) least = {most, i};
     }
     return least;
 }
@@ -73,8 +80,10 @@ class Corner {
     const LinuxcncSettings& settings_;
     Vector3d corner_, binormal_ = Vector3d::Zero(), centre_ = Vector3d::Zero();
     double half_rad_ = 0, turn_rad_ = 0, tolerance_mm_ = 0;
-    double acceleration_ = 0, across_ = 0;  ///< along, and across the way
+    double across_ = 0;
+    AxisLimit acceleration_;
     double requested_ = 0, goal_ = 0, speed_ = 0, radius_ = 0;
+    Hold goal_hold_;
     double trim_before_ = 0, trim_after_ = 0;  ///< mm on lines, rad on arcs
 };
 
@@ -118,7 +127,7 @@ bool Corner::measure() {
         after_.usable_mm = before_.arc ? after.nominal / 2 : after.length / 2;
     turn_rad_ = std::numbers::pi - 2 * half_rad_;
     acceleration_ = least_in_plane(limits_.linear_acceleration(), binormal_);
-    across_ = normal_share * acceleration_;
+    across_ = normal_share * acceleration_.value;
     return true;
 }
 
@@ -129,7 +138,8 @@ void Corner::find_speed() {
     const double most = settings_.max_feed_override;
     goal_ = std::max(std::min(before.requested * most, before.top_speed),
                      std::min(after.requested * most, after.top_speed));
-    double in_plane = least_in_plane(limits_.linear_velocity(), binormal_);
+    const AxisLimit slowest = least_in_plane(limits_.linear_velocity(), binormal_);
+    double in_plane = slowest.value;
     if (!before_.arc && !after_.arc) {
         const double cosine = std::cos(std::min(turn_rad_, 0.49 * std::numbers::pi));
         const double first = std::min(before.top_speed, after.top_speed / cosine);
@@ -137,7 +147,12 @@ void Corner::find_speed() {
         const double across = (after_.tangent * second - before_.tangent * first).norm();
         in_plane = std::max(in_plane, first * second * std::sin(turn_rad_) / across);
     }
-    goal_ = std::min(goal_, in_plane);
+    goal_hold_ = std::min(before.requested, before.top_speed) > std::min(after.requested, after.top_speed)
+                     ? before.own_hold()
+                     : after.own_hold();
+    if (in_plane >= goal_) return;
+    goal_ = in_plane;
+    goal_hold_ = {motion::LimitKind::velocity, slowest.slot};
 }
 
 bool Corner::find_radius() {
@@ -145,7 +160,7 @@ bool Corner::find_radius() {
     const double way = std::min({before_.usable_mm, after_.usable_mm, cosine * tolerance_mm_ / (1 - sine)});
     const double widest = way * tangent;
     speed_ = std::min(std::sqrt(across_ * widest), goal_);
-    const double along = acceleration_ / 2;
+    const double along = acceleration_.value / 2;
     const double time = std::min(std::sqrt(2 * along * way), speed_) / along;
     radius_ = std::max(speed_ * speed_ / across_, std::min(time * speed_ / turn_rad_, widest));
     return radius_ >= 1e-12 && radius_ * turn_rad_ >= 1e-6;
@@ -249,7 +264,11 @@ ArcBlend Corner::pieces() const {
     blend.ending = Ending::tangent;
     blend.requested = requested_;
     blend.top_speed = speed_;
-    blend.acceleration = acceleration_;
+    blend.requested_hold = goal_hold_;
+    blend.top_hold = speed_ < goal_ ? Hold{motion::LimitKind::transition} : goal_hold_;
+    blend.acceleration = acceleration_.value;
+    blend.acceleration_hold = {motion::LimitKind::acceleration, acceleration_.slot};
+    blend.number = before.number;
     blend.acceleration_ratio = 0.5;
     blend.tolerance_mm = before.tolerance_mm;
     blend.finalised = true;
@@ -259,7 +278,7 @@ ArcBlend Corner::pieces() const {
 /// Whether the circles that stood for spirals leave no kink beside the arc.
 bool Corner::smooth(const ArcBlend& made) const {
     const Circle& circle = made.blend.circle;
-    const double most = 0.25 * normal_share * acceleration_ * settings_.servo_period_s / speed_;
+    const double most = 0.25 * normal_share * acceleration_.value * settings_.servo_period_s / speed_;
     return (!before_.arc || (made.before.end_direction() - circle.tangent(0)).norm() <= most) &&
            (!after_.arc || (made.after.start_direction() - circle.tangent(circle.angle())).norm() <= most);
 }

@@ -7,6 +7,7 @@
 
 namespace trunnion::controller::linuxcnc {
 
+using motion::LimitKind;
 using program::FeedRule;
 using program::PathControlKind;
 
@@ -16,10 +17,17 @@ constexpr double turns_only_mm = 1e-7;  ///< linear motion that does not count f
 constexpr double least_inverse_time_feed = 0.1 / 60;
 constexpr std::size_t longest_chain = 100;
 
-/// The times that the slowest axis needs at its velocity, and the acceleration that goes with it.
+/// The times that the slowest axis needs at its velocity, and the acceleration that goes with it; which axes they are.
 struct SlowestAxis {
     double at_velocity = 0, at_acceleration = 0;
+    int in_velocity = -1, in_acceleration = -1;
 };
+
+void raise(double& most, int& which, double value, int slot) {
+    if (value <= most) return;
+    most = value;
+    which = slot;
+}
 
 SlowestAxis slowest_axis(const Coordinates& way, const Limits& limits) {
     SlowestAxis out;
@@ -27,8 +35,8 @@ SlowestAxis slowest_axis(const Coordinates& way, const Limits& limits) {
         const double distance = std::abs(i < 3 ? way.linear_mm[i] : way.rotary_deg[i - 3]);
         if (distance < still) continue;
         const auto axis = static_cast<std::size_t>(i);
-        out.at_velocity = std::max(out.at_velocity, distance / limits.velocity[axis]);
-        out.at_acceleration = std::max(out.at_acceleration, distance / limits.acceleration[axis]);
+        raise(out.at_velocity, out.in_velocity, distance / limits.velocity[axis], i);
+        raise(out.at_acceleration, out.in_acceleration, distance / limits.acceleration[axis], i);
     }
     return out;
 }
@@ -124,13 +132,15 @@ void Canonical::path_control(const program::PathControl& mode) {
     commands.push_back({.kind = Command::Kind::mode});
 }
 
-void Canonical::wait(double dwell_s, double answer_s) {
+void Canonical::wait(LinuxcncWait word, double answer_s, double dwell_s) {
     flush();
     if (commands.empty() || commands.back().kind != Command::Kind::wait)
         commands.push_back({.kind = Command::Kind::wait});
     Command& command = commands.back();
     command.dwell_s += dwell_s;
-    command.answer_s = std::max(command.answer_s, answer_s);
+    if (answer_s < command.answer_s) return;
+    command.answer_s = answer_s;
+    command.word = word;
 }
 
 void Canonical::recount(const Coordinates& position, std::size_t geometry) {
@@ -183,16 +193,23 @@ void Canonical::send_line(const Point& point, bool rapid) {
     segment.top_speed = segment.length / slowest.at_velocity;
     segment.acceleration = segment.length / slowest.at_acceleration;
     segment.requested = rapid ? segment.top_speed : std::min(segment.top_speed, feed_);
+    segment.top_hold = segment.requested_hold = {LimitKind::velocity, slowest.in_velocity};
+    segment.acceleration_hold = {LimitKind::acceleration, slowest.in_acceleration};
+    if (!rapid && feed_ < segment.top_speed) segment.requested_hold = {LimitKind::feed};
     segment.rapid = rapid;
     send(std::move(segment), point.line);
 }
 
 void Canonical::send_arc(const Way& way) {
     const Circle& circle = *way.circle;
-    const auto first = static_cast<std::size_t>((way.normal_axis + 1) % 3);
-    const auto second = static_cast<std::size_t>((way.normal_axis + 2) % 3);
-    const double velocity = std::min(limits_.velocity[first], limits_.velocity[second]);
-    const double acceleration = std::min(limits_.acceleration[first], limits_.acceleration[second]);
+    const int in_plane_axes[] = {(way.normal_axis + 1) % 3, (way.normal_axis + 2) % 3};
+    const auto weaker = [&](const std::array<double, 6>& limits) {
+        return *std::ranges::min_element(in_plane_axes, {},
+                                         [&](int slot) { return limits[static_cast<std::size_t>(slot)]; });
+    };
+    const int slow_axis = weaker(limits_.velocity), weak_axis = weaker(limits_.acceleration);
+    const double velocity = limits_.velocity[static_cast<std::size_t>(slow_axis)];
+    const double acceleration = limits_.acceleration[static_cast<std::size_t>(weak_axis)];
     const double smaller = std::min(circle.start_radius(), circle.start_radius() + circle.spiral());
     const double per_angle = circle.spiral() / circle.angle();
     const double round =
@@ -205,6 +222,14 @@ void Canonical::send_arc(const Way& way) {
     segment.top_speed = length / std::max(slowest.at_velocity, in_plane / round);
     segment.acceleration = length / std::max(slowest.at_acceleration, in_plane / acceleration);
     segment.requested = std::min(segment.top_speed, feed_);
+    const bool by_ends = slowest.at_velocity >= in_plane / round;
+    segment.top_hold = by_ends            ? Hold{LimitKind::velocity, slowest.in_velocity}
+                       : round < velocity ? Hold{LimitKind::curvature, weak_axis}
+                                          : Hold{LimitKind::velocity, slow_axis};
+    segment.requested_hold = feed_ < segment.top_speed ? Hold{LimitKind::feed} : segment.top_hold;
+    segment.acceleration_hold = {LimitKind::acceleration, slowest.at_acceleration > in_plane / acceleration
+                                                              ? slowest.in_acceleration
+                                                              : weak_axis};
     send(std::move(segment), way.line);
 }
 

@@ -8,6 +8,8 @@
 
 namespace trunnion::controller::linuxcnc {
 
+using motion::LimitKind;
+
 namespace {
 
 constexpr double reversal = 2 * std::numbers::pi / 180;  ///< of the sum of two unit tangents
@@ -61,7 +63,7 @@ Planner::Overlap Planner::overlap(const Segment& own, double own_target, const S
                    0.25 * next.requested * next.requested / next.circle.start_radius() * next.circle.outward(0))
                       .normalized();
     // The control reads a direction here that a blend does not have: any would do, a right angle is a fair one.
-    const double cosine = next.shape == Shape::blend ? 0 : -arriving.dot(leaving);
+    const double cosine = next.shape == Shape::blend ? settings_.unset_direction_cosine : -arriving.dot(leaving);
     const double half = 0.5 * std::acos(std::clamp(cosine, -1.0, 1.0));
     if (own.tolerance_mm > 0 && std::cos(half) > std::cos(0.5 * std::numbers::pi - pole_of_tolerance)) {
         const double most = 2 * std::sqrt(own_acceleration * own.tolerance_mm / std::cos(half));
@@ -75,7 +77,10 @@ Planner::Overlap Planner::overlap(const Segment& own, double own_target, const S
 // ---- adding a segment
 
 void Planner::add(Segment segment) {
-    segment.top_speed = std::min(segment.top_speed, segment.length / settings_.servo_period_s);
+    segment.limit_top_speed(segment.length / settings_.servo_period_s, {LimitKind::block_time});
+    segment.number = segment.horizon = ++added_;
+    segment.end_hold = {LimitKind::look_ahead};
+    nothing_follows_ = false;
     if (!queue_.empty()) {
         join(queue_.back(), segment);
         if (!queue_.empty()) finalise(queue_.back());
@@ -87,7 +92,12 @@ void Planner::add(Segment segment) {
 /// Decides how the last segment of the queue ends, now that the next one is known.
 void Planner::join(Segment& last, Segment& added) {
     if (last.rapid != added.rapid) last.ending = Ending::stop;
-    if (last.progress > 0.5 * last.length) return;
+    if (last.progress > 0.5 * last.length) {
+        last.end_hold = {LimitKind::command_rate};
+        last.horizon = 0;
+        return;
+    }
+    last.horizon = 0;
     if (last.rotary || added.rotary || settings_.optimization_depth < 2 || last.ending == Ending::stop) return;
     if ((last.end_direction() + added.start_direction()).squaredNorm() < reversal * reversal) {
         last.ending = Ending::stop;
@@ -126,6 +136,7 @@ void Planner::take_best(Segment& last, Segment& added) const {
         last.kink_speed = -1;
         last.kink_reduction = added.kink_reduction_before = 0;
         last.ending = Ending::parabolic;
+        last.end_hold = {LimitKind::transition};
         added.joined_parabolically = true;
     } else {
         last.ending = Ending::tangent;
@@ -163,7 +174,7 @@ bool Planner::blend_by_arc(Segment& last, Segment& added) {
 void Planner::finalise(Segment& segment) const {
     if (segment.finalised) return;
     segment.finalised = true;
-    segment.top_speed = std::min(segment.top_speed, segment.length / settings_.servo_period_s);
+    segment.limit_top_speed(segment.length / settings_.servo_period_s, {LimitKind::block_time});
     if (segment.shape != Shape::arc) return;
     segment.acceleration_ratio = 1;
     const double whole = segment.overall_acceleration();
@@ -171,10 +182,42 @@ void Planner::finalise(Segment& segment) const {
     const double normal = segment.top_speed * segment.top_speed / radius;
     constexpr double share = 0.8660254037844386;
     if (normal > share * whole) {
-        segment.top_speed = std::sqrt(share * whole * radius);
+        segment.limit_top_speed(std::sqrt(share * whole * radius),
+                                {LimitKind::curvature, segment.acceleration_hold.slot});
         segment.acceleration_ratio = 0.5;
     } else {
         segment.acceleration_ratio = std::sqrt(1 - (normal / whole) * (normal / whole));
+    }
+}
+
+/// How fast a segment may end so that what is known behind it can still stop, and why no faster.
+void Planner::bound_end(Segment& earlier, Segment& later) const {
+    const bool kinked = earlier.kink_speed >= 0 && earlier.kink_speed < earlier.top_speed;
+    const double joint = kinked ? earlier.kink_speed : earlier.top_speed;
+    const Hold at_joint = kinked ? Hold{LimitKind::transition} : earlier.top_hold;
+    earlier.horizon = 0;
+    if (!later.finalised) {
+        const double stopping = std::sqrt(later.acceleration_along() * later.length);
+        const double target = highest_target(later);
+        earlier.end_speed = std::min({joint, stopping, target});
+        later.end_speed = 0;
+        earlier.end_hold = earlier.end_speed == joint    ? at_joint
+                           : earlier.end_speed == target ? hold_of_target(later)
+                                                         : Hold{LimitKind::look_ahead};
+        if (earlier.end_speed < std::min(joint, target)) earlier.horizon = later.number;
+    } else {
+        const double most = std::min(joint, later.top_speed);
+        earlier.end_speed =
+            std::sqrt(later.end_speed * later.end_speed + 2 * later.acceleration_along() * later.length);
+        earlier.end_hold = later.stands() ? Hold{LimitKind::stop} : later.end_hold;
+        earlier.horizon = later.stands() ? 0 : later.horizon;
+        if (earlier.end_speed >= most) {
+            earlier.end_speed = most;
+            earlier.at_top = true;
+            earlier.end_hold = joint <= later.top_speed ? at_joint : later.top_hold;
+            earlier.horizon = 0;
+        }
+        later.limit_top_speed(later.length / (1.02 * settings_.servo_period_s), {LimitKind::block_time});
     }
 }
 
@@ -191,22 +234,7 @@ void Planner::look_back() {
             continue;
         }
         if (earlier.progress / earlier.length >= 0.25 || earlier.split || earlier.blending) return;
-        const double joint =
-            earlier.kink_speed >= 0 ? std::min(earlier.top_speed, earlier.kink_speed) : earlier.top_speed;
-        if (!later.finalised) {
-            earlier.end_speed =
-                std::min({joint, std::sqrt(later.acceleration_along() * later.length), highest_target(later)});
-            later.end_speed = 0;
-        } else {
-            const double most = std::min(joint, later.top_speed);
-            earlier.end_speed =
-                std::sqrt(later.end_speed * later.end_speed + 2 * later.acceleration_along() * later.length);
-            if (earlier.end_speed >= most) {
-                earlier.end_speed = most;
-                earlier.at_top = true;
-            }
-            later.top_speed = std::min(later.top_speed, later.length / (1.02 * settings_.servo_period_s));
-        }
+        bound_end(earlier, later);
         if (later.at_top && ++peaks > enough_peaks) return;
     }
 }
@@ -228,7 +256,7 @@ void Planner::activate(Segment& segment) const {
         2 * rest / both < 1 / settings_.ramp_frequency_hz && !segment.rapid && segment.ending == Ending::tangent;
 }
 
-void Planner::advance(Segment& segment, const Segment* next, double duration_s) {
+Planner::Step Planner::advance(Segment& segment, const Segment* next, double duration_s) {
     const double target_speed = target(segment), most = segment.acceleration_along();
     double end_speed = 0;
     if (segment.ending == Ending::tangent)
@@ -254,23 +282,50 @@ void Planner::advance(Segment& segment, const Segment* next, double duration_s) 
     segment.speed = reached;
     segment.on_final_deceleration = acceleration < 0 && std::abs(wanted - reached) < 1e-8;
     check_end(segment, end_speed, most);
+    return {target_speed, end_speed, acceleration, most};
+}
+
+/// What the speed that a segment is to have comes from.
+Hold Planner::hold_of_target(const Segment& segment) const {
+    const double asked = segment.requested * override_of(segment);
+    if (!segment.purely_rotary && settings_.max_linear_velocity_mm_s < std::min(asked, segment.top_speed))
+        return {LimitKind::linear_velocity};
+    return asked <= segment.top_speed ? segment.requested_hold : segment.top_hold;
+}
+
+/// Why a segment ends slowly. Where it has to be able to stop behind the newest one: either nothing follows, or that is
+/// all that has come until now, or the look-ahead did not look again.
+Hold Planner::hold_of_end(const Segment& segment) const {
+    if (segment.stands()) return {LimitKind::stop};
+    if (segment.horizon == 0 || segment.horizon != added_) return segment.end_hold;
+    return {nothing_follows_ ? LimitKind::stop : LimitKind::command_rate};
+}
+
+void Planner::note_hold(const Segment& segment, const Segment* next, const Step& step) {
+    constexpr double nearly = 1 - 1e-9;
+    const bool at_target = segment.speed >= nearly * step.target;
+    const bool next_is_slower = segment.ending == Ending::tangent && next && step.end_speed < segment.end_speed;
+    const Hold end = next_is_slower ? hold_of_target(*next) : hold_of_end(segment);
+    const Hold lower = at_target ? hold_of_target(segment) : end;
+    const bool all_acceleration = std::abs(step.acceleration) >= nearly * step.most;
+    hold_ = all_acceleration && !(at_target && step.acceleration >= 0) ? segment.acceleration_hold : lower;
+    if (step.acceleration <= 0 || !all_acceleration) slower_end_ = lower;
 }
 
 /// Whether the segment ends within the next period, and when.
 void Planner::check_end(Segment& segment, double end_speed, double most) const {
     const double rest = segment.length - segment.progress, speed = segment.speed;
-    const bool stands = segment.ending == Ending::stop || segment.ending == Ending::exact;
     const auto split_after = [&](double time_s, double exit_speed) {
         segment.split = true;
         segment.split_s = time_s;
         segment.exit_speed = exit_speed;
     };
     if (rest <= at_end) {
-        if (stands) segment.finished = true;
+        if (segment.stands()) segment.finished = true;
         split_after(0, speed);
         return;
     }
-    if (stands || speed + end_speed <= 0) return;
+    if (segment.stands() || speed + end_speed <= 0) return;
     double time = rest / ((speed + end_speed) / 2);
     if (std::abs(end_speed - speed) / time > most) {
         const double sign = end_speed < speed ? -1 : 1;
@@ -289,6 +344,7 @@ void Planner::check_end(Segment& segment, double end_speed, double most) const {
 void Planner::run_period(double now_s, std::vector<LinuxcncBlock>& done) {
     if (queue_.empty()) {
         speed_ = 0;
+        hold_ = slower_end_ = {LimitKind::stop};
         return;
     }
     if (queue_.front().split)
@@ -303,13 +359,14 @@ void Planner::regular_period(double now_s, std::vector<LinuxcncBlock>& done) {
     begin(segment, now_s);
     activate(segment);
     const Coordinates from = segment.at(segment.progress);
-    advance(segment, next, settings_.servo_period_s);
+    note_hold(segment, next, advance(segment, next, settings_.servo_period_s));
     position_ = position_ + (segment.at(segment.progress) - from);
     speed_ = segment.speed;
     if (next && segment.ending == Ending::parabolic) {
         if (!segment.blending && segment.on_final_deceleration)
             segment.blending = segment.speed < overlap(segment, target(segment), *next, target(*next)).own;
         if (segment.blending) {
+            if (!next->begun && next->shape == Shape::blend) ++unset_directions_;
             begin(*next, now_s);
             const Coordinates next_from = next->at(next->progress);
             advance(*next, nullptr, settings_.servo_period_s);
@@ -335,7 +392,8 @@ void Planner::split_period(double now_s, std::vector<LinuxcncBlock>& done) {
             duration_s -= segment.split_s;
         }
         const Coordinates from = next.at(next.progress);
-        advance(next, queue_.size() > 2 ? &queue_[2] : nullptr, duration_s);
+        const Segment* behind = queue_.size() > 2 ? &queue_[2] : nullptr;
+        note_hold(next, behind, advance(next, behind, duration_s));
         position_ = position_ + (next.at(next.progress) - from);
         speed_ = next.speed;
         report(next);
@@ -352,6 +410,7 @@ void Planner::report(const Segment& moving) {
 void Planner::leave(double now_s, std::vector<LinuxcncBlock>& done) {
     const Segment& segment = queue_.front();
     done.push_back({segment.line, segment.begin_s, now_s});
+    if (segment.stands() || queue_.size() == 1) ++standstills_;
     queue_.pop_front();
 }
 

@@ -166,7 +166,7 @@ class BlockPrediction {
             const auto& limits = run_.rapid ? machine_.axes[k].rapid : machine_.axes[k].feed;
             const double share = std::abs(s.direction[k]);
             account_.note_load(k, share * s.peak_mm_s / limits.velocity,
-                               share * s.acceleration_mm_s2 / limits.acceleration);
+                               share * s.acceleration_mm_s2 / limits.acceleration, share * s.jerk_mm_s3 / limits.jerk);
         }
     }
 
@@ -230,6 +230,19 @@ class BlockPrediction {
     std::size_t event_ = 0, standstills_ = 0;
 };
 
+/// Moves before the first pose that is known whole are not in the program that was read; the control makes them.
+void tell_of_moves_left_out(const program::Program& program, Prediction& out) {
+    for (const Diagnostic& told : program.diagnostics)
+        if (told.code == "NC0013")
+            out.diagnostics.push_back({.code = "CTRL0207",
+                                       .severity = Severity::warning,
+                                       .text = "the control makes the moves before the first whole pose too: their "
+                                               "time is not counted",
+                                       .place = told.place,
+                                       .hint = "say every axis in the first block",
+                                       .count = told.count});
+}
+
 }  // namespace
 
 Result<Prediction> predict(const program::Program& program, const machine::Machine& machine,
@@ -241,7 +254,7 @@ Result<Prediction> predict(const program::Program& program, const machine::Machi
         if (controller.kind == motion::ControllerKind::length_over_feed)
             return length_over_feed(program, machine, setup, options, take_row);
         if (controller.kind == motion::ControllerKind::linuxcnc)
-            return predict_linuxcnc(program, machine, setup, options, take_row);
+            return predict_linuxcnc(program, machine, setup, controller, options, take_row);
         return fail(
             {.code = "CTRL0205",
              .text = fmt::format("a controller of kind {} is not predicted by blocks", to_string(controller.kind))});
@@ -252,6 +265,7 @@ Result<Prediction> predict(const program::Program& program, const machine::Machi
     out->machine = machine.name;
     out->setup = setup.file;
     out->controller = controller.name;
+    tell_of_moves_left_out(program, *out);
     out->diagnostics.insert(out->diagnostics.begin(), program.diagnostics.begin(), program.diagnostics.end());
     return out;
 }

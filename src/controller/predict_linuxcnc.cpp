@@ -1,11 +1,12 @@
 #include "detail/predict_linuxcnc.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "trunnion/controller/linuxcnc.hpp"
 
+#include "detail/linuxcnc_doubts.hpp"
 #include "detail/prediction_account.hpp"
 
 namespace trunnion::controller {
@@ -40,27 +41,37 @@ class RowReader {
           account_(machine) {}
 
     void take(const LinuxcncRow& row) {
-        if (rows_++ == 0) {
-            last_ = row;
-            return;
-        }
+        const LinuxcncRow before = std::exchange(last_, row);
+        if (rows_++ == 0) return;
         const auto found = asked_.find(row.line);
         const Asked asked = found == asked_.end() ? Asked{} : found->second;
-        MotionPiece piece{.line = row.line, .rapid = asked.rapid, .duration_s = row.time_s - last_.time_s};
-        const double feed = (row.tip_mm - last_.tip_mm).norm() / piece.duration_s;
-        piece.way_mm = feed * piece.duration_s;
-        piece.feed_from_mm_s = piece.feed_to_mm_s = feed;
+        MotionPiece piece{.line = row.line, .rapid = asked.rapid, .duration_s = row.time_s - before.time_s};
+        piece.way_mm = (row.tip_mm - before.tip_mm).norm();
+        piece.feed_from_mm_s = feed_mm_s_;
+        piece.feed_to_mm_s = feed_mm_s_ = piece.way_mm / piece.duration_s;
         piece.programmed_feed_mm_s = asked.rapid ? 0 : asked.tip_feed_mm_s * override_;
-        piece.limit = {motion::LimitKind::planner};
-        account_.add(piece);
-        give_row(row, piece);
-        last_ = row;
+        piece.limit = row.limit;
+        piece.limit_from = piece.limit_to = row.slower_end;
+        if (row.moves) {
+            account_.add(piece);
+            ends_rapid_ = piece.rapid;
+        }
+        note_motion(before, row, piece);
     }
 
-    PredictionAccount& account() { return account_; }
+    /// Cut and rapid time last until the joints stand, some periods longer than the planner moves: these are the last
+    /// segment's.
+    void finish(const LinuxcncRun& run, motion::Prediction& out) {
+        account_.finish(out);
+        const double motion_s = run.cycle_time_s - run.wait_s();
+        if (ends_rapid_)
+            out.rapid_time_s = motion_s - out.cut_time_s;
+        else
+            out.cut_time_s = motion_s - out.rapid_time_s;
+    }
 
   private:
-    void give_row(const LinuxcncRow& row, const MotionPiece& piece) {
+    void note_motion(const LinuxcncRow& before, const LinuxcncRow& row, const MotionPiece& piece) {
         motion::PredictedRow out{.time_s = row.time_s,
                                  .position = row.axes,
                                  .line = row.line,
@@ -69,17 +80,16 @@ class RowReader {
                                  .contact_feed_mm_s = NAN,
                                  .limit = piece.limit,
                                  .rapid = piece.rapid};
-        machine::AxisVelocity velocity;
-        for (int a = 0; a < machine_.axis_count; ++a) {
-            const auto k = static_cast<std::size_t>(a);
-            velocity[k] = (row.axes[k] - last_.axes[k]) / piece.duration_s;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(machine_.axis_count); ++k) {
+            out.velocity[k] = (row.axes[k] - before.axes[k]) / piece.duration_s;
             const auto& limits = piece.rapid ? machine_.axes[k].rapid : machine_.axes[k].feed;
-            const double acceleration = rows_ > 2 ? (velocity[k] - velocity_[k]) / piece.duration_s : 0;
-            account_.note_load(k, std::abs(velocity[k]) / limits.velocity,
-                               std::abs(acceleration) / limits.acceleration);
+            const double acceleration = (out.velocity[k] - velocity_[k]) / piece.duration_s;
+            const double jerk = (acceleration - acceleration_[k]) / piece.duration_s;
+            account_.note_load(k, std::abs(out.velocity[k]) / limits.velocity,
+                               std::abs(acceleration) / limits.acceleration, std::abs(jerk) / limits.jerk);
+            acceleration_[k] = acceleration;
         }
-        velocity_ = velocity;
-        out.velocity = velocity;
+        velocity_ = out.velocity;
         if (take_row_) take_row_(out);
     }
 
@@ -89,8 +99,11 @@ class RowReader {
     const RowTaker& take_row_;
     PredictionAccount account_;
     LinuxcncRow last_;
+    double feed_mm_s_ = 0;
     machine::AxisVelocity velocity_;
+    machine::AxisAcceleration acceleration_;
     std::size_t rows_ = 0;
+    bool ends_rapid_ = false;
 };
 
 /// The program with another feed on every cutting move.
@@ -103,26 +116,29 @@ program::Program with_feed(program::Program program, double feed_mm_s) {
 }  // namespace
 
 Result<motion::Prediction> predict_linuxcnc(const program::Program& program, const machine::Machine& machine,
-                                            const machine::Setup& setup, const PredictOptions& options,
-                                            const RowTaker& take_row) {
+                                            const machine::Setup& setup, const motion::Controller& controller,
+                                            const PredictOptions& options, const RowTaker& take_row) {
     if (options.feed_mm_s) {
         PredictOptions rest = options;
         rest.feed_mm_s.reset();
-        return predict_linuxcnc(with_feed(program, *options.feed_mm_s), machine, setup, rest, take_row);
+        return predict_linuxcnc(with_feed(program, *options.feed_mm_s), machine, setup, controller, rest, take_row);
     }
-    LinuxcncSettings settings;
-    settings.feed_override = options.feed_override;
-    settings.max_feed_override = std::max(1.0, options.feed_override);
-    RowReader reader(program, machine, settings, take_row);
+    auto settings = linuxcnc_settings(controller);
+    if (!settings) return fail(settings.error());
+    settings->feed_override = options.feed_override;
+    RowReader reader(program, machine, *settings, take_row);
     const auto run =
-        run_as_linuxcnc(program, machine, setup, settings, [&](const LinuxcncRow& row) { reader.take(row); });
+        run_as_linuxcnc(program, machine, setup, *settings, [&](const LinuxcncRow& row) { reader.take(row); });
     if (!run) return fail(run.error());
     motion::Prediction out;
-    reader.account().finish(out);
+    reader.finish(*run, out);
     out.cycle_time_s = run->cycle_time_s;
-    out.dwell_time_s = run->wait_s;
-    out.cut_time_s = run->cycle_time_s - run->wait_s - out.rapid_time_s;
+    out.dwell_time_s = run->dwell_s;
+    out.tool_change_time_s = run->tool_change_s;
+    out.other_stop_time_s = run->other_stop_s;
     out.blocks = run->blocks.size();
+    out.standstills = run->standstills;
+    if (options.uncertainty) LinuxcncDoubts(program, machine, setup, controller, *settings, *run).find(out);
     return out;
 }
 

@@ -93,9 +93,11 @@ void PredictionAccount::end_drop() {
     costs_.clear();
 }
 
-void PredictionAccount::note_load(std::size_t axis, double velocity_ratio, double acceleration_ratio) {
+void PredictionAccount::note_load(std::size_t axis, double velocity_ratio, double acceleration_ratio,
+                                  double jerk_ratio) {
     loads_[axis].velocity_ratio = std::max(loads_[axis].velocity_ratio, velocity_ratio);
     loads_[axis].acceleration_ratio = std::max(loads_[axis].acceleration_ratio, acceleration_ratio);
+    loads_[axis].jerk_ratio = std::fmax(loads_[axis].jerk_ratio, jerk_ratio);
 }
 
 void PredictionAccount::finish(motion::Prediction& prediction) {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "trunnion/base/quantity.hpp"
+
 #include "detail/shipped_files.hpp"
 #include "detail/toml_reading.hpp"
 
@@ -51,9 +53,22 @@ void read_choice(TomlReading& reading, const toml::node& node, ChoiceId id, Cont
     if (reading.ok()) motion::set_choice(out, id, {static_cast<int>(found - facts.words.begin()), source});
 }
 
+/// So many Hz, which are read like so many seconds.
+double read_frequency(TomlReading& reading, const toml::node& node, const std::string& what) {
+    constexpr std::string_view unit = "Hz";
+    const auto* text = node.as_string();
+    if (!text || !text->get().ends_with(unit)) return reading.quantity(node, motion::frequency, what);
+    auto value = parse_quantity(text->get().substr(0, text->get().size() - unit.size()) + "s", dimension::time);
+    if (value) return *value;
+    value.error().text = fmt::format("{}: {}", what, value.error().text);
+    reading.refuse(std::move(value.error()), node.source());
+    return 0;
+}
+
 /// A quantity with its unit; counts and shares also as bare numbers.
 double read_quantity(TomlReading& reading, const toml::node& node, const ParameterFacts& facts,
                      const std::string& what) {
+    if (facts.dimension == motion::frequency) return read_frequency(reading, node, what);
     if (facts.dimension != dimension::ratio || !node.is_number()) return reading.quantity(node, facts.dimension, what);
     const double value = node.value<double>().value_or(0);
     if (!std::isfinite(value)) reading.refuse("FILE0105", fmt::format("{} is not a finite number", what), node);
@@ -77,13 +92,11 @@ void check_number(TomlReading& reading, const toml::node& node, const ParameterF
         reading.refuse("FILE0117", fmt::format("{} is a count, not a fraction", what), node);
 }
 
-void read_parameter(TomlReading& reading, const toml::node& node, ParameterId id, Controller& out) {
-    const ParameterFacts& facts = motion::facts_of(id);
-    const std::string what(facts.key);
+void read_parameter(TomlReading& reading, const toml::node& node, const ParameterFacts& facts, const std::string& what,
+                    Parameter& parameter) {
     const toml::table& table = reading.table(node, what);
     reading.allow_only(table, what, {"value", "source", "spread"});
     const auto* value = reading.required(table, "value", what);
-    Parameter& parameter = out[id];
     parameter.source = read_source(reading, table, what);
     parameter.given = true;
     if (!value) return;
@@ -116,14 +129,18 @@ void read_parameters(TomlReading& reading, const toml::node& node, Controller& o
     std::vector<std::string_view> keys;
     for (std::size_t i = 0; i < motion::choice_count; ++i) {
         const auto id = static_cast<ChoiceId>(i);
+        if (!motion::is_used(out, id)) continue;
         keys.push_back(motion::facts_of(id).key);
         if (const auto* choice = reading.required(table, keys.back(), "parameters"))
             read_choice(reading, *choice, id, out);
     }
     for (std::size_t i = 0; i < motion::parameter_count; ++i) {
         const auto id = static_cast<ParameterId>(i);
-        keys.push_back(motion::facts_of(id).key);
-        if (const auto* parameter = table.get(keys.back())) read_parameter(reading, *parameter, id, out);
+        if (!motion::belongs_to(out.kind, id)) continue;
+        const ParameterFacts& facts = motion::facts_of(id);
+        keys.push_back(facts.key);
+        if (const auto* parameter = table.get(facts.key))
+            read_parameter(reading, *parameter, facts, std::string(facts.key), out[id]);
     }
     for (const auto& [key, value] : table)
         if (std::ranges::find(keys, key.str()) == keys.end())
@@ -132,22 +149,51 @@ void read_parameters(TomlReading& reading, const toml::node& node, Controller& o
     if (reading.ok()) check_complete(reading, table, out);
 }
 
+/// [axes.X] and so on: limits that the control's own file says.
+void read_axes(TomlReading& reading, const toml::node& node, Controller& out) {
+    for (const auto& [key, value] : reading.table(node, "axes")) {
+        if (key.str().size() != 1 || !motion::limited_letters.contains(key.str().front())) {
+            reading.refuse("FILE0104", fmt::format("axes has no key '{}'", key.str()), value,
+                           "possible here: X, Y, Z, A, B, C");
+            return;
+        }
+        const char letter = key.str().front();
+        const std::string what = fmt::format("axes.{}", letter);
+        const toml::table& table = reading.table(value, what);
+        reading.allow_only(table, what, {"max_velocity", "max_acceleration"});
+        for (std::size_t i = 0; i < motion::axis_limit_count; ++i) {
+            const auto& facts = motion::facts_of(static_cast<motion::AxisLimitId>(i), motion::turns(letter));
+            if (const auto* limit = table.get(facts.key))
+                read_parameter(reading, *limit, facts, fmt::format("{} of {}", facts.key, letter),
+                               out.axis_limits[letter][i]);
+        }
+    }
+}
+
 void read_root(TomlReading& reading, const toml::table& root, Controller& out) {
-    reading.allow_only(root, "a controller file", {"name", "description", "kind", "parameters"});
+    reading.allow_only(root, "a controller file", {"name", "description", "kind", "parameters", "axes"});
     if (const auto* name = root.get("name")) out.name = reading.text(*name, "name");
     if (const auto* text = root.get("description")) out.description = reading.text(*text, "description");
     const auto* kind = reading.required(root, "kind", "the controller");
     if (!kind) return;
     out.kind =
         static_cast<ControllerKind>(reading.choice(*kind, "kind", {"blocks", "linuxcnc", "ideal", "length-over-feed"}));
+    const bool has_parameters = out.kind == ControllerKind::blocks || out.kind == ControllerKind::linuxcnc;
     const auto* parameters = root.get("parameters");
-    if (out.kind == ControllerKind::blocks) {
-        parameters = reading.required(root, "parameters", "a controller of kind blocks");
+    if (has_parameters) {
+        parameters = reading.required(root, "parameters", fmt::format("a controller of kind {}", to_string(out.kind)));
         if (parameters) read_parameters(reading, *parameters, out);
     } else if (parameters) {
         reading.refuse("FILE0116", fmt::format("a controller of kind {} has no parameters", to_string(out.kind)),
-                       *parameters, "parameters are those of kind = \"blocks\"");
+                       *parameters, "parameters are those of kind = \"blocks\" and \"linuxcnc\"");
     }
+    const auto* axes = root.get("axes");
+    if (!axes) return;
+    if (out.kind == ControllerKind::linuxcnc)
+        read_axes(reading, *axes, out);
+    else
+        reading.refuse("FILE0116", fmt::format("a controller of kind {} has no axes of its own", to_string(out.kind)),
+                       *axes, "their limits are those of the machine file");
 }
 
 }  // namespace

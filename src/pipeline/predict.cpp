@@ -81,7 +81,8 @@ Result<Prediction> predict_ideal(const program::Program& program, const machine:
     out.standstills = static_cast<std::size_t>(summary->exact_stops.total);
     out.uncertainty_s = 0;
     for (const AxisLoad& axis : summary->axes)
-        out.axes.push_back({axis.letter, axis.velocity_ratio, axis.acceleration_ratio, axis.limiting_share});
+        out.axes.push_back(
+            {axis.letter, axis.velocity_ratio, axis.acceleration_ratio, axis.jerk_ratio, axis.limiting_share});
     for (const FeedDrop& drop : summary->feed_drops)
         out.feed_drops.push_back({drop.line, drop.s_from_mm, drop.s_to_mm, drop.feed_min_mm_s,
                                   drop.programmed_feed_mm_s, drop.lost_s, limit_named(drop.cause, machine)});

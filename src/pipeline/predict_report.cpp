@@ -8,6 +8,7 @@
 #include "trunnion/pipeline/predict.hpp"
 
 #include "detail/diagnostics_json.hpp"
+#include "detail/report_lines.hpp"
 
 namespace trunnion::pipeline {
 
@@ -20,7 +21,7 @@ constexpr std::size_t lines_compared = 10;
 
 std::string uncertainty_text(const Prediction& p) {
     if (p.uncertainty_s < 0) return "not stated";
-    if (p.uncertainty_s == 0) return "none: nothing in it is documented or guessed";
+    if (p.doubts.empty()) return "none: nothing in it is documented or guessed";
     std::string out = fmt::format("± {:.3f} s ({:.1f} %)", p.uncertainty_s, 100 * p.uncertainty_s / p.cycle_time_s);
     constexpr std::size_t most = 3;
     for (std::size_t i = 0; i < std::min(most, p.doubts.size()); ++i) {
@@ -47,20 +48,14 @@ ordered_json axes_json(const Prediction& p) {
     for (const motion::PredictedLoad& a : p.axes)
         out[std::string(1, a.letter)] = {{"velocity_ratio", a.velocity_ratio},
                                          {"acceleration_ratio", a.acceleration_ratio},
+                                         {"jerk_ratio", finite_or_null(a.jerk_ratio)},
                                          {"limiting_share", a.limiting_share}};
     return out;
 }
 
 ordered_json drops_json(const Prediction& p, const machine::Machine& machine) {
     ordered_json out = ordered_json::array();
-    for (const motion::PredictedDrop& d : p.feed_drops)
-        out.push_back({{"line", d.line},
-                       {"s_from_mm", d.s_from_mm},
-                       {"s_to_mm", d.s_to_mm},
-                       {"feed_min_mm_min", d.feed_min_mm_s * 60},
-                       {"programmed_feed_mm_min", d.programmed_feed_mm_s * 60},
-                       {"lost_s", d.lost_s},
-                       {"cause", to_string(d.cause, machine)}});
+    for (const motion::PredictedDrop& d : p.feed_drops) out.push_back(drop_json(d, to_string(d.cause, machine)));
     return out;
 }
 
@@ -79,12 +74,9 @@ ordered_json against_json(const Prediction& p, const Prediction& other) {
 
 std::string report(const Prediction& p, const machine::Machine& machine, const PredictionOptions& options,
                    const Prediction* other) {
-    std::string out;
-    const auto line = [&](std::string_view name, const std::string& value) {
-        out += fmt::format("{:<22}{}\n", name, value);
-    };
-    line("program", fmt::format("{} ({}, {} blocks)", p.program, p.dialect, p.blocks));
-    line("machine", p.machine + (p.setup.empty() ? "" : fmt::format(", setup {}", p.setup)));
+    ReportLines lines;
+    const auto line = [&](std::string_view name, const std::string& value) { lines.add(name, value); };
+    lines.add_job(p);
     line("controller", p.controller);
     line("cycle time", fmt::format("{:.3f} s = {:.3f} cutting + {:.3f} rapid + {:.3f} dwell + {:.3f} tool change + "
                                    "{:.3f} other stops",
@@ -94,22 +86,19 @@ std::string report(const Prediction& p, const machine::Machine& machine, const P
     line("path", fmt::format("{:.1f} mm of the tip, {} standstills", p.path_length_mm, p.standstills));
     line("contact feed", fmt::format("in the samples: surface across the feed, tool leaning {:g} deg along it",
                                      options.contact_lead_rad / degree));
-    line("axis: peak / limit", "velocity  acceleration   limits the feed");
+    line("axis: peak / limit", "velocity  acceleration      jerk   limits the feed");
     for (const motion::PredictedLoad& a : p.axes)
-        line(fmt::format("  {}", a.letter), fmt::format("{:8.4f}  {:12.4f}   {:5.1f} % of the cut", a.velocity_ratio,
-                                                        a.acceleration_ratio, 100 * a.limiting_share));
-    constexpr std::size_t causes = 5, drops = 3;
+        line(fmt::format("  {}", a.letter),
+             fmt::format("{:8.4f}  {:12.4f}  {:>8}   {:5.1f} % of the cut", a.velocity_ratio, a.acceleration_ratio,
+                         std::isfinite(a.jerk_ratio) ? fmt::format("{:.4f}", a.jerk_ratio) : "-",
+                         100 * a.limiting_share));
+    constexpr std::size_t causes = 5;
     for (std::size_t i = 0; i < std::min(causes, p.limits.size()); ++i)
         line(i == 0 ? "what limits the cut" : "",
              fmt::format("{:<22}{:10.3f} s", to_string(p.limits[i].limit, machine), p.limits[i].time_s));
-    auto worst = p.feed_drops;
-    std::ranges::stable_sort(worst, std::ranges::greater{}, &motion::PredictedDrop::lost_s);
-    worst.resize(std::min(worst.size(), drops));
-    for (const motion::PredictedDrop& d : worst)
-        line("slow", fmt::format("line {}, {:.1f} … {:.1f} mm: down to {:.0f} of {:.0f} mm/min, {:.3f} s lost, {}",
-                                 d.line, d.s_from_mm, d.s_to_mm, d.feed_min_mm_s * 60, d.programmed_feed_mm_s * 60,
-                                 d.lost_s, to_string(d.cause, machine)));
-    if (!other) return out;
+    for (const motion::PredictedDrop& d : worst_of(p.feed_drops))
+        line("slow", drop_text(d, to_string(d.cause, machine)));
+    if (!other) return lines.text();
     const double more = p.cycle_time_s - other->cycle_time_s;
     const bool same_program = p.program == other->program;
     line(same_program ? "against" : "before",
@@ -118,16 +107,13 @@ std::string report(const Prediction& p, const machine::Machine& machine, const P
                      more < 0 ? "less" : "more", 100 * (p.cycle_time_s / other->cycle_time_s - 1)));
     for (const LineDifference& d : differences(p, *other, lines_compared / 2))
         line("", fmt::format("line {}: {:.3f} s, there {:.3f} s", d.line, d.time_s, d.other_s));
-    return out;
+    return lines.text();
 }
 
 std::string to_json(const Prediction& p, const machine::Machine& machine, const PredictionOptions& options,
                     const Prediction* other) {
     ordered_json out;
-    out["program"] = p.program;
-    out["dialect"] = p.dialect;
-    out["machine"] = p.machine;
-    out["setup"] = p.setup;
+    set_job(out, p);
     out["controller"] = p.controller;
     out["options"] = {
         {"feed_override", options.plan.feed_override},
@@ -135,9 +121,7 @@ std::string to_json(const Prediction& p, const machine::Machine& machine, const 
         {"contact_tilt_deg", options.contact_lead_rad / degree}};
     out["cycle_time_s"] = p.cycle_time_s;
     out["uncertainty_s"] = p.uncertainty_s < 0 ? ordered_json(nullptr) : ordered_json(p.uncertainty_s);
-    out["cut_time_s"] = p.cut_time_s;
-    out["rapid_time_s"] = p.rapid_time_s;
-    out["dwell_time_s"] = p.dwell_time_s;
+    set_times(out, p);
     out["tool_change_time_s"] = p.tool_change_time_s;
     out["other_stop_time_s"] = p.other_stop_time_s;
     out["path_length_mm"] = p.path_length_mm;
@@ -152,7 +136,7 @@ std::string to_json(const Prediction& p, const machine::Machine& machine, const 
     out["doubts"] = doubts_json(p);
     if (other) out["against"] = against_json(p, *other);
     out["diagnostics"] = diagnostics_json(p.diagnostics);
-    return out.dump(2) + "\n";
+    return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace trunnion::pipeline

@@ -9,6 +9,7 @@
 #include "trunnion/base/quantity.hpp"
 
 #include "detail/diagnostics_json.hpp"
+#include "detail/report_lines.hpp"
 
 namespace trunnion::pipeline {
 
@@ -23,15 +24,10 @@ constexpr double worth_telling_s = 1e-3;
 
 ordered_json drops_json(const std::vector<FeedDrop>& drops) {
     ordered_json out = ordered_json::array();
-    for (const FeedDrop& d : drops)
-        out.push_back({{"line", d.line},
-                       {"s_from_mm", d.s_from_mm},
-                       {"s_to_mm", d.s_to_mm},
-                       {"feed_min_mm_min", d.feed_min_mm_s * 60},
-                       {"programmed_feed_mm_min", d.programmed_feed_mm_s * 60},
-                       {"lost_s", d.lost_s},
-                       {"cause", d.cause},
-                       {"at_tolerance", d.at_tolerance}});
+    for (const FeedDrop& d : drops) {
+        out.push_back(drop_json(d, d.cause));
+        out.back()["at_tolerance"] = d.at_tolerance;
+    }
     return out;
 }
 
@@ -48,7 +44,7 @@ ordered_json axes_json(const std::vector<AxisLoad>& axes) {
 
 /// null where there is none.
 ordered_json number(std::optional<double> value) {
-    return value && std::isfinite(*value) ? ordered_json(*value) : ordered_json(nullptr);
+    return finite_or_null(value.value_or(NAN));
 }
 
 const char* name_of(smoothing::Rounding rounding) {
@@ -147,12 +143,9 @@ bool Summary::usable() const {
 }
 
 std::string Summary::report() const {
-    std::string out;
-    const auto line = [&](std::string_view name, const std::string& value) {
-        out += fmt::format("{:<22}{}\n", name, value);
-    };
-    line("program", fmt::format("{} ({}, {} blocks)", program, dialect, blocks));
-    line("machine", machine + (setup.empty() ? "" : fmt::format(", setup {}", setup)));
+    ReportLines lines;
+    const auto line = [&](std::string_view name, const std::string& value) { lines.add(name, value); };
+    lines.add_job(*this);
     line("cycle time",
          fmt::format("{:.3f} s = {:.3f} cutting + {:.3f} rapid + {:.3f} dwell; {:.3f} s without jerk limits",
                      cycle_time_s, cut_time_s, rapid_time_s, dwell_time_s, jerk_free_bound_s));
@@ -175,33 +168,21 @@ std::string Summary::report() const {
              fmt::format("{:8.4f}  {:12.4f}  {:.4f}     {:.4f}   {:5.1f} % of the cut", a.velocity_ratio,
                          a.acceleration_ratio, a.jerk_ratio, a.jerk_rms, 100 * a.limiting_share));
     line("calm", calm_text(*this));
-    std::vector<FeedDrop> worst = feed_drops;
-    std::stable_sort(worst.begin(), worst.end(),
-                     [](const FeedDrop& a, const FeedDrop& b) { return a.lost_s > b.lost_s; });
-    worst.resize(std::min<std::size_t>(worst.size(), 3));
-    for (const FeedDrop& d : worst)
-        line("slow",
-             fmt::format("line {}, {:.1f} … {:.1f} mm: down to {:.0f} of {:.0f} mm/min, {:.3f} s lost, {}", d.line,
-                         d.s_from_mm, d.s_to_mm, d.feed_min_mm_s * 60, d.programmed_feed_mm_s * 60, d.lost_s, d.cause) +
-                 (d.at_tolerance ? " (tolerance used up)" : ""));
+    for (const FeedDrop& d : worst_of(feed_drops))
+        line("slow", drop_text(d, d.cause) + (d.at_tolerance ? " (tolerance used up)" : ""));
     for (const std::string& text : worth_lines(worth)) line("worth", text);
     line("verdict", usable() ? "all limits and tolerances hold" : "NOT USABLE: a limit or a tolerance is broken");
-    return out;
+    return lines.text();
 }
 
 std::string to_json(const Summary& s) {
     ordered_json out;
-    out["program"] = s.program;
-    out["dialect"] = s.dialect;
-    out["machine"] = s.machine;
-    out["setup"] = s.setup;
+    set_job(out, s);
     out["controller"] = nullptr;
     out["options"] = options_json(s.options);
     out["usable"] = s.usable();
     out["cycle_time_s"] = s.cycle_time_s;
-    out["cut_time_s"] = s.cut_time_s;
-    out["rapid_time_s"] = s.rapid_time_s;
-    out["dwell_time_s"] = s.dwell_time_s;
+    set_times(out, s);
     out["path_length_mm"] = s.path_length_mm;
     out["blocks"] = s.blocks;
     out["setpoints"] = s.setpoints;
@@ -229,7 +210,7 @@ std::string to_json(const Summary& s) {
                    {"elapsed_s", s.work.elapsed_s},
                    {"peak_memory_mb", s.work.peak_memory_mb}};
     out["diagnostics"] = diagnostics_json(s.diagnostics);
-    return out.dump(1) + "\n";
+    return out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace trunnion::pipeline

@@ -24,6 +24,7 @@ struct SegmentSpeed {
     double settle_s = 0;                        ///< standstill at its end
     motion::Limit limit, from_limit, to_limit;  ///< of the peak, and at both ends
     double acceleration_mm_s2 = 0;              ///< along the path, the highest on the way up or down
+    double jerk_mm_s3 = 0;                      ///< of the ramps that the law of the speed stands for; NaN: no limit
     double duration_s() const { return rise_s + cruise_s + fall_s; }
 };
 

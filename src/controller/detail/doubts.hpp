@@ -34,4 +34,7 @@ class Doubts {
     BlockPlanner planner_;
 };
 
+/// What weighs most first; the uncertainty is the root of the sum of the squares of the half differences.
+void sum_up_doubts(motion::Prediction& prediction);
+
 }  // namespace trunnion::controller

@@ -22,6 +22,7 @@ struct Command {
     } kind = Kind::segment;
     Segment segment;
     double dwell_s = 0, answer_s = 0;
+    LinuxcncWait word = LinuxcncWait::other;  ///< that is answered
     Coordinates position;
     std::size_t geometry = 0;
 };
@@ -48,7 +49,7 @@ class Canonical {
     void move(const Way& way);
     void path_control(const program::PathControl& mode);
     /// Waits at one place have their dwells one after the other, but one answer.
-    void wait(double dwell_s, double answer_s);
+    void wait(LinuxcncWait word, double answer_s, double dwell_s = 0);
     /// The machine stands still as it is; from now on it is counted otherwise.
     void recount(const Coordinates& position, std::size_t geometry);
     void finish() { flush(); }

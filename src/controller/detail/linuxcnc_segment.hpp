@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "trunnion/motion/prediction.hpp"
+
 namespace trunnion::controller::linuxcnc {
 
 using Eigen::Vector3d;
@@ -28,6 +30,12 @@ struct Limits {
     std::array<double, 6> velocity{}, acceleration{};
     Vector3d linear_velocity() const { return {velocity[0], velocity[1], velocity[2]}; }
     Vector3d linear_acceleration() const { return {acceleration[0], acceleration[1], acceleration[2]}; }
+};
+
+/// What holds a speed down, in the planner's terms.
+struct Hold {
+    motion::LimitKind kind = motion::LimitKind::feed;
+    int slot = -1;  ///< of X Y Z A B C, where it is that of an axis
 };
 
 /// Coordinates that change less do not move.
@@ -91,14 +99,18 @@ struct Segment {
     double length = 0, nominal = 0;
     double requested = 0, top_speed = 0, acceleration = 0;
     double tolerance_mm = 0;  ///< of its end; 0: none
+    Hold requested_hold, top_hold, acceleration_hold;
 
     double acceleration_ratio = 1;
     double kink_speed = -1;  ///< negative: none
     double kink_reduction = 0, kink_reduction_before = 0;
     bool joined_parabolically = false;  ///< to its predecessor
     bool finalised = false;
-    bool at_top = false;   ///< the look-ahead is limited here by speed, not by braking
-    double end_speed = 0;  ///< by look-ahead
+    bool at_top = false;        ///< the look-ahead is limited here by speed, not by braking
+    double end_speed = 0;       ///< by look-ahead
+    Hold end_hold;              ///< why it ends slowly
+    std::uint64_t number = 0;   ///< in the order of the queue
+    std::uint64_t horizon = 0;  ///< the segment behind which nothing was known when that was found; 0: not that
 
     double progress = 0, speed = 0;
     double split_s = 0, exit_speed = 0;
@@ -109,6 +121,16 @@ struct Segment {
     Coordinates at(double way) const;
     Vector3d start_direction() const;  ///< unit, with rise and spiral; rotary alone: X
     Vector3d end_direction() const;
+    /// At most so fast, and for that reason.
+    void limit_top_speed(double most, Hold hold) {
+        if (most >= top_speed) return;
+        top_speed = most;
+        top_hold = hold;
+    }
+    /// At its end.
+    bool stands() const { return ending == Ending::stop || ending == Ending::exact; }
+    /// What holds it down when nothing but itself does.
+    Hold own_hold() const { return requested <= top_speed ? requested_hold : top_hold; }
     double overall_acceleration() const;  ///< along and across the way
     double acceleration_along() const { return overall_acceleration() * acceleration_ratio; }
 };

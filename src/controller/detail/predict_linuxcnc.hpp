@@ -4,10 +4,10 @@
 
 namespace trunnion::controller {
 
-/// LinuxCNC's planner told as a prediction: rows are its servo periods, velocities their differences. What limits the
-/// speed it does not say.
+/// LinuxCNC's planner told as a prediction: rows are its servo periods; velocities, accelerations and jerks of the
+/// joints their differences.
 Result<motion::Prediction> predict_linuxcnc(const program::Program& program, const machine::Machine& machine,
-                                            const machine::Setup& setup, const PredictOptions& options,
-                                            const RowTaker& take_row);
+                                            const machine::Setup& setup, const motion::Controller& controller,
+                                            const PredictOptions& options, const RowTaker& take_row);
 
 }  // namespace trunnion::controller

@@ -27,7 +27,8 @@ class PredictionAccount {
     void add(const MotionPiece& piece);
     /// Standstill on the way: settling, counted as cutting or rapid time.
     void wait(std::int32_t line, bool rapid, double duration_s);
-    void note_load(std::size_t axis, double velocity_ratio, double acceleration_ratio);
+    /// NaN: the model has no such load.
+    void note_load(std::size_t axis, double velocity_ratio, double acceleration_ratio, double jerk_ratio);
     /// Fills cut and rapid time, path length, loads, limits, drops and lines.
     void finish(motion::Prediction& prediction);
 

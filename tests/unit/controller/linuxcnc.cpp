@@ -300,7 +300,7 @@ TEST(Linuxcnc, settings_without_meaning_are_refused) {
     EXPECT_EQ(with([](auto& s) { s.queue_full = 1; }), "CTRL0107");
     EXPECT_EQ(with([](auto& s) { s.longest_run_s = 0; }), "CTRL0107");
     EXPECT_EQ(with([](auto& s) { s.start_tolerance_mm = -0.1; }), "CTRL0107");
-    EXPECT_EQ(with([](auto& s) { s.waits.coolant_s = -1; }), "CTRL0107");
+    EXPECT_EQ(with([](auto& s) { s.waits[LinuxcncWait::coolant] = -1; }), "CTRL0107");
     EXPECT_EQ(with([](auto& s) { s.axis_limits['B'] = {1, 1}; }), "CTRL0107");
     EXPECT_EQ(with([](auto& s) { s.axis_limits['X'] = {1, 0}; }), "CTRL0107");
 }

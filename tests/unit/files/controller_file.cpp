@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "trunnion/base/quantity.hpp"
+
 namespace {
 
 using namespace trunnion;
@@ -48,9 +50,34 @@ spindle_time = { value = "2 s", source = "guessed" }
 other_stop_time = { value = "0.1 s", source = "guessed" }
 )";
 
-/// The code that the good file is refused with when one thing in it is another.
-std::string code_with(const std::string& what, const std::string& instead) {
-    std::string text = good;
+const std::string good_linuxcnc = R"(
+kind = "linuxcnc"
+[parameters]
+servo_period = { value = "0.5 ms", source = "identified" }
+max_linear_velocity = { value = "unlimited", source = "documented" }
+max_feed_override = { value = "120%", source = "identified" }
+arc_blend_enable = { value = "on", source = "identified" }
+arc_blend_fallback_enable = { value = "off", source = "documented" }
+arc_blend_optimization_depth = { value = 100, source = "identified" }
+arc_blend_gap_cycles = { value = 4, source = "documented" }
+arc_blend_ramp_freq = { value = "20 Hz", source = "documented", spread = "5 Hz" }
+arc_blend_kink_ratio = { value = 0.1, source = "documented" }
+missed_command_periods = { value = 0, source = "guessed", spread = 0.1 }
+dwell_excess = { value = "5 ms", source = "identified" }
+spindle_time = { value = "2 s", source = "guessed" }
+other_stop_time = { value = "4 ms", source = "guessed" }
+coolant_time = { value = "0.1 s", source = "guessed" }
+tool_change_time = { value = "6 s", source = "guessed" }
+tool_preparation_time = { value = "1 s", source = "guessed" }
+[axes.X]
+max_velocity = { value = "30 m/min", source = "identified" }
+[axes.C]
+max_velocity = { value = "15 rpm", source = "documented" }
+max_acceleration = { value = "300 deg/s^2", source = "guessed", spread = "50 deg/s^2" }
+)";
+
+/// The code that a good file is refused with when one thing in it is another.
+std::string code_with(const std::string& what, const std::string& instead, std::string text = good) {
     const auto at = text.find(what);
     EXPECT_NE(at, std::string::npos) << what;
     text.replace(at, what.size(), instead);
@@ -125,6 +152,62 @@ TEST(ControllerFile, RefusesContradictions) {
     EXPECT_EQ(code_with("\"velocity step\"", "\"arc\""), "FILE0103");
     EXPECT_EQ(code_with("\"jerk-limited\"", "\"trapezoidal\""), "FILE0116");
     EXPECT_EQ(code_with("\"blocks\"", "\"ideal\""), "FILE0116");
+}
+
+TEST(ControllerFile, TakesTheSettingsOfLinuxcnc) {
+    const auto read = files::read_controller(good_linuxcnc, "c.toml");
+    ASSERT_TRUE(read) << to_string(read.error());
+    const auto& control = *read;
+    EXPECT_EQ(control.kind, motion::ControllerKind::linuxcnc);
+    EXPECT_DOUBLE_EQ(control[ParameterId::servo_period].value, 5e-4);
+    EXPECT_DOUBLE_EQ(control[ParameterId::max_feed_override].value, 1.2);
+    EXPECT_DOUBLE_EQ(control[ParameterId::arc_blend_ramp_freq].value, 20);
+    EXPECT_DOUBLE_EQ(control[ParameterId::arc_blend_ramp_freq].spread, 5);
+    EXPECT_EQ(control.arc_blend_enable.way, motion::Switch::on);
+    EXPECT_EQ(control.arc_blend_fallback_enable.source, Source::documented);
+    ASSERT_EQ(control.axis_limits.size(), 2u);
+    EXPECT_DOUBLE_EQ(control.axis_limits.at('X')[0].value, 500);
+    EXPECT_FALSE(control.axis_limits.at('X')[1].given);
+    EXPECT_DOUBLE_EQ(control.axis_limits.at('C')[0].value, 90 * degree);
+    EXPECT_DOUBLE_EQ(control.axis_limits.at('C')[1].spread, 50 * degree);
+}
+
+TEST(ControllerFile, EveryParameterOfLinuxcncIsNeeded) {
+    const std::regex line("\n([a-z_]+) = \\{[^\n]*");
+    const std::string parameters = good_linuxcnc.substr(0, good_linuxcnc.find("[axes.X]"));
+    int lines = 0;
+    for (std::sregex_iterator at(parameters.begin(), parameters.end(), line), end; at != end; ++at, ++lines)
+        EXPECT_EQ(code_with(at->str(), "", good_linuxcnc), "FILE0103") << (*at)[1];
+    EXPECT_EQ(lines, 16);
+    EXPECT_TRUE(files::read_controller(parameters, "c.toml"));  // of axes nothing
+}
+
+TEST(ControllerFile, RefusesSettingsOfLinuxcncWithoutMeaning) {
+    const auto code = [](const std::string& what, const std::string& instead) {
+        return code_with(what, instead, good_linuxcnc);
+    };
+    EXPECT_EQ(code("\"20 Hz\"", "\"20\""), "BASE0002");
+    EXPECT_EQ(code("\"20 Hz\"", "20"), "BASE0002");
+    EXPECT_EQ(code("\"20 Hz\"", "\"20 s\""), "BASE0004");
+    EXPECT_EQ(code("\"20 Hz\"", "\"Hz\""), "BASE0001");
+    EXPECT_EQ(code("\"20 Hz\"", "\"0 Hz\""), "FILE0117");
+    EXPECT_EQ(code("\"20 Hz\"", "[]"), "FILE0105");
+    EXPECT_EQ(code("value = 0.1", "value = 0.8"), "FILE0117");
+    EXPECT_EQ(code("value = 100", "value = 99.5"), "FILE0117");
+    EXPECT_EQ(code("\"0.5 ms\"", "\"0 ms\""), "FILE0117");
+    EXPECT_EQ(code("value = \"on\"", "value = \"yes\""), "FILE0113");
+    EXPECT_EQ(code("value = \"on\"", "value = \"off\""), "FILE0116");  // gap cycles without arcs
+    EXPECT_EQ(code("servo_period", "interpolator_cycle"), "FILE0104");
+    EXPECT_EQ(code("[axes.X]", "look_ahead_blocks = { value = 10, source = \"guessed\" }\n[axes.X]"), "FILE0104");
+    EXPECT_EQ(code("[axes.X]", "[axes.U]"), "FILE0104");
+    EXPECT_EQ(code("[axes.X]", "[axes.XY]"), "FILE0104");
+    EXPECT_EQ(code("[axes.X]\nmax_velocity", "[axes.X]\nmax_jerk"), "FILE0104");
+    EXPECT_EQ(code("\"30 m/min\"", "\"30 rpm\""), "BASE0004");
+    EXPECT_EQ(code("\"15 rpm\"", "\"15 m/min\""), "BASE0004");
+    EXPECT_EQ(code("\"30 m/min\"", "\"0 m/min\""), "FILE0117");
+    EXPECT_EQ(
+        code_with("[parameters]", "[axes.X]\nmax_velocity = { value = \"1 m/s\", source = \"guessed\" }\n[parameters]"),
+        "FILE0116");
 }
 
 TEST(ControllerFile, ErrorsNameTheLine) {

@@ -23,7 +23,8 @@ struct PredictOptions {
 /// Takes the rows of the prediction as they come, in order.
 using RowTaker = std::function<void(const motion::PredictedRow&)>;
 
-/// What a control of any kind but `ideal` makes of a program: docs/theory/prediction.md.
+/// What a control of any kind but `ideal` makes of a program: docs/theory/prediction.md. The time of LinuxCNC runs from
+/// the first to the last motion, words before and behind them left out.
 ///
 /// Rows stand where the law of the speed changes: ends of segments, begin and end of cruising; between two rows the
 /// axes go straight. Pass an empty taker where they are not wanted. Length over feed knows no axes: its rows are the
@@ -36,8 +37,9 @@ using RowTaker = std::function<void(const motion::PredictedRow&)>;
 /// Errors: those of path::choose_rotary_stands and PathBuilder, for kind `linuxcnc` of run_as_linuxcnc; CTRL0201 a
 /// block without a feed or time above 0; CTRL0203 an axis leaves its range by the control's own choice of branch;
 /// CTRL0204 a lead angle of a quarter turn or more; CTRL0205 kind `ideal`, which is predicted elsewhere; CTRL0206 a
-/// feed or override that is not above 0. Told: CTRL0202 blocks that do not move. Cost: 1-3 µs a segment, 30 times that
-/// with uncertainty. Memory: some 300 bytes a block of the longest run.
+/// feed or override that is not above 0. Told: CTRL0202 blocks that do not move, CTRL0207 moves before the first whole
+/// pose, which the reader has left out. Cost: 1-3 µs a segment, 30 times that with uncertainty. Memory: some 300 bytes
+/// a block of the longest run.
 Result<motion::Prediction> predict(const program::Program& program, const machine::Machine& machine,
                                    const machine::Setup& setup, const motion::Controller& controller,
                                    const PredictOptions& options, const RowTaker& take_row = {});

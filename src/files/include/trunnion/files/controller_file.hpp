@@ -16,16 +16,20 @@ namespace trunnion::files {
 ///     name = "…"                      default: the file's stem
 ///     description = "…"               optional
 ///     kind = "blocks" | "linuxcnc" | "ideal" | "length-over-feed"
-///     [parameters]                    of kind blocks, and there only
+///     [parameters]                    of kinds blocks and linuxcnc, and there only
 ///     transition = { value = "arc", source = "documented" }
 ///     interpolator_cycle = { value = "3 ms", source = "documented", spread = "1 ms" }
 ///     look_ahead_blocks = { value = 10, source = "guessed" }
+///     [axes.X]                        of kind linuxcnc: what its INI says, in place of the machine file
+///     max_velocity = { value = "500 mm/s", source = "identified" }
+///     max_acceleration = { value = "2.5 m/s^2", source = "identified" }
 ///
 /// Every parameter says its value and where that comes from: "identified", "documented" or "guessed". `spread`: the
 /// truth lies within value ± spread; default 0, 10 % and 30 % of the value. Choices take one of their words and have no
 /// spread; where it makes sense a value may be "unlimited". Keys, meanings and words: motion::facts_of(),
-/// `trunnion controller show`. All are needed but those that the choices made do not use
-/// (motion::is_used); these are refused.
+/// `trunnion controller show`; those of kind linuxcnc are called as in LinuxCNC's INI file. All are needed but those
+/// that the choices made do not use (motion::is_used); these are refused. Frequencies are in Hz. Of axes nothing is
+/// needed.
 ///
 /// Errors: FILE0101 file cannot be read, FILE0102 not TOML, FILE0103 key missing, FILE0104 unknown key, FILE0105 value
 /// of another kind, FILE0113 not one of the possible words, FILE0116 values that contradict each other, FILE0117 value

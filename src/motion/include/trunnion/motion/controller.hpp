@@ -3,9 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "trunnion/base/quantity.hpp"
 
@@ -30,7 +32,8 @@ std::string_view to_string(Source source);
 /// The share of the value that stands for its uncertainty.
 double default_spread(Source source);
 
-/// The numbers of the block model. Keys, meanings and units: parameter_facts().
+/// The numbers of the models. Keys, meanings and units: facts_of(); which model uses which: is_used(). The times of
+/// words that stop the axes are both models'.
 enum class ParameterId : std::uint8_t {
     interpolator_cycle,
     block_preparation,
@@ -51,9 +54,20 @@ enum class ParameterId : std::uint8_t {
     in_position_time,
     tool_change_time,
     spindle_time,
-    other_stop_time
+    other_stop_time,
+    servo_period,  // from here on of LinuxCNC
+    max_linear_velocity,
+    max_feed_override,
+    arc_blend_optimization_depth,
+    arc_blend_gap_cycles,
+    arc_blend_ramp_freq,
+    arc_blend_kink_ratio,
+    missed_command_periods,
+    dwell_excess,
+    coolant_time,
+    tool_preparation_time
 };
-inline constexpr std::size_t parameter_count = 20;
+inline constexpr std::size_t parameter_count = 31;
 
 struct ParameterFacts {
     std::string_view key, meaning;
@@ -65,6 +79,8 @@ struct ParameterFacts {
     double unit_value;      ///< that unit in mm, rad, s
 };
 const ParameterFacts& facts_of(ParameterId id);
+/// Hz
+inline constexpr Dimension frequency{0, 0, -1};
 
 struct Parameter {
     double value = 0;  ///< mm, rad, s or a plain number; infinite = unlimited
@@ -72,6 +88,22 @@ struct Parameter {
     double spread = 0;   ///< the truth is within value ± spread; same unit
     bool given = false;  ///< a parameter that the controller's choices do not need may be absent
 };
+/// The ends of what a parameter may be in truth, whole where it is a count: equal where nothing is left open.
+struct Span {
+    double low = 0, high = 0;
+};
+Span truth_of(const Parameter& parameter, const ParameterFacts& facts);
+
+/// A limit of one axis that the control's own file says in place of the machine's.
+enum class AxisLimitId : std::uint8_t { max_velocity, max_acceleration };
+inline constexpr std::size_t axis_limit_count = 2;
+using AxisLimitParameters = std::array<Parameter, axis_limit_count>;
+const ParameterFacts& facts_of(AxisLimitId id, bool rotary);
+/// Letters whose limits may be given, and whether they turn.
+inline constexpr std::string_view limited_letters = "XYZABC";
+constexpr bool turns(char letter) {
+    return letter >= 'A' && letter <= 'C';
+}
 
 /// What a control does in one of several ways.
 enum class Profile : std::uint8_t { jerk_limited, trapezoidal };
@@ -91,6 +123,8 @@ enum class FeedCounts : std::uint8_t {
     tip_and_rotary  ///< F is of tip and rotary axes together, these at the reference radius
 };
 
+enum class Switch : std::uint8_t { off, on };
+
 template <class Way>
 struct Choice {
     Way way{};
@@ -108,6 +142,8 @@ struct Controller {
     Choice<AxisSetChange> axis_set_change;
     Choice<BranchRule> branch;
     Choice<FeedCounts> feed_counts;
+    Choice<Switch> arc_blend_enable{.way = Switch::on}, arc_blend_fallback_enable;
+    std::map<char, AxisLimitParameters> axis_limits;  ///< by letter; what is not given is the machine's
 
     Parameter& operator[](ParameterId id) { return parameters[static_cast<std::size_t>(id)]; }
     const Parameter& operator[](ParameterId id) const { return parameters[static_cast<std::size_t>(id)]; }
@@ -118,8 +154,16 @@ struct ChoiceFacts {
     std::string_view key, meaning;
     std::span<const std::string_view> words;
 };
-enum class ChoiceId : std::uint8_t { profile, transition, axis_set_change, branch, feed_counts };
-inline constexpr std::size_t choice_count = 5;
+enum class ChoiceId : std::uint8_t {
+    profile,
+    transition,
+    axis_set_change,
+    branch,
+    feed_counts,
+    arc_blend_enable,
+    arc_blend_fallback_enable
+};
+inline constexpr std::size_t choice_count = 7;
 const ChoiceFacts& facts_of(ChoiceId id);
 
 /// Number in the enumeration and source of a choice, whichever it is.
@@ -130,8 +174,22 @@ struct ChoiceValue {
 ChoiceValue choice_of(const Controller& controller, ChoiceId id);
 void set_choice(Controller& controller, ChoiceId id, ChoiceValue value);
 
-/// Whether the block model uses a parameter under the choices made: the rounding tolerance only where transitions are
-/// arcs, velocity steps only where they are steps, jerk only where it is limited.
+/// Whether the controller's model uses a choice, or a parameter under the choices made: the rounding tolerance only
+/// where transitions are arcs, velocity steps only where they are steps, jerk only where it is limited, gap cycles only
+/// where arcs blend. Kinds `ideal` and `length-over-feed` use none.
+bool is_used(const Controller& controller, ChoiceId id);
 bool is_used(const Controller& controller, ParameterId id);
+/// Whether controllers of this kind use a parameter with any choices.
+bool belongs_to(ControllerKind kind, ParameterId id);
+
+/// A number of a controller by the name that diagnostics and reports say: its key, of an axis `X max_velocity`.
+struct NamedParameter {
+    std::string name;
+    const ParameterFacts* facts = nullptr;
+    Parameter* parameter = nullptr;  ///< in the controller that was asked
+};
+/// All that the controller's model uses, those of axes last and where they are given. Two copies of one controller have
+/// the same list in the same order.
+std::vector<NamedParameter> used_parameters(Controller& controller);
 
 }  // namespace trunnion::motion

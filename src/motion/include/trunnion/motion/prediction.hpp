@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,19 +12,21 @@ namespace trunnion::motion {
 
 /// What holds the speed down at a place.
 enum class LimitKind : std::uint8_t {
-    feed,            ///< the programmed feed: nothing else does
-    velocity,        ///< of an axis
-    acceleration,    ///< of an axis, speeding up or braking
-    jerk,            ///< of an axis, speeding up or braking
-    curvature,       ///< acceleration of an axis across the path
-    curvature_jump,  ///< of an axis
-    transition,      ///< from block to block
-    block_time,      ///< the interpolator's cycle
-    preparation,     ///< blocks are not prepared fast enough
-    look_ahead,      ///< it must be able to stop at the end of what it knows
-    axis_set,        ///< other axes begin to move
-    stop,            ///< a standstill that the program or the control asks for
-    planner          ///< of a planner that does not say
+    feed,             ///< the programmed feed: nothing else does
+    velocity,         ///< of an axis
+    acceleration,     ///< of an axis, speeding up or braking
+    jerk,             ///< of an axis, speeding up or braking
+    curvature,        ///< acceleration of an axis across the path
+    curvature_jump,   ///< of an axis
+    transition,       ///< from block to block
+    block_time,       ///< the interpolator's cycle
+    preparation,      ///< blocks are not prepared fast enough
+    look_ahead,       ///< it must be able to stop at the end of what it knows
+    axis_set,         ///< other axes begin to move
+    stop,             ///< a standstill that the program or the control asks for
+    linear_velocity,  ///< the control's own limit of the tip
+    command_rate,     ///< segments come later than they are carried out
+    planner           ///< of a planner that does not say
 };
 struct Limit {
     LimitKind kind = LimitKind::feed;
@@ -65,7 +68,9 @@ struct PredictedDrop {
 struct PredictedLoad {
     char letter = 'X';
     double velocity_ratio = 0, acceleration_ratio = 0;  ///< peak / limit of the machine; acceleration along the path
-    double limiting_share = 0;                          ///< share of the cutting time in which this axis is what limits
+    /// The same of the jerk; NaN: the control's model has none.
+    double jerk_ratio = std::numeric_limits<double>::quiet_NaN();
+    double limiting_share = 0;  ///< share of the cutting time in which this axis is what limits
 };
 
 /// What holds the speed down, and for how long while cutting.
@@ -77,7 +82,7 @@ struct LimitTime {
 /// What not knowing one parameter means for the cycle time.
 struct Doubt {
     std::string parameter;
-    double low = 0, high = 0;                ///< values tried, mm, rad, s
+    double low = 0, high = 0;                ///< values tried, mm, rad, s, or a plain number
     double time_low_s = 0, time_high_s = 0;  ///< cycle time with each
 };
 
