@@ -8,6 +8,7 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/geometry/great_circle.hpp"
 #include "trunnion/geometry/helix.hpp"
+#include "trunnion/path/curve_way.hpp"
 
 namespace trunnion::controller {
 
@@ -21,6 +22,7 @@ constexpr double rotary_mm_per_rad = 1 / degree;
 constexpr int deepest = 12;                        // 4096 segments a block
 constexpr double coarsest_turn_rad = 10 * degree;  // looked at no more coarsely than that
 constexpr double coarsest_arc_rad = 30 * degree;
+constexpr double least_of_curve = 8;  // parts
 
 Eigen::Vector3d to_vector(const std::array<double, 3>& v) {
     return {v[0], v[1], v[2]};
@@ -71,27 +73,28 @@ class BlockWay {
             helix_.emplace(path::helix_between(given, from_, to_));
             arc_rad_ = std::abs(given.angle_rad);
         }
+        if (run.blocks[block].curve != path::no_curve) curve_.emplace(run, block);
         by_vectors_ =
             run.law == path::OrientationLaw::vector && run.space == path::Space::workpiece && machine.rotary_count > 0;
+        by_axes_ = run.law == path::OrientationLaw::rotary || run.space == path::Space::machine;
         if (by_vectors_) {
-            circle_.emplace(to_vector(from_.orientation), to_vector(to_.orientation));
+            if (!curve_) circle_.emplace(to_vector(from_.orientation), to_vector(to_.orientation));
             rotary_from_ = run.stands[block];
             rotary_to_ = run.stands[block + 1];
             RotaryPosition at_from = rotary_from_, at_to = rotary_to_;
-            const int first = nearest_solution(*run.kinematics, circle_->at(0), at_from);
-            const int last = nearest_solution(*run.kinematics, circle_->at(1), at_to);
+            const int first = nearest_solution(*run.kinematics, tool_axis_at(0), at_from);
+            const int last = nearest_solution(*run.kinematics, tool_axis_at(1), at_to);
             follows_ = first == last || first == 2 || last == 2;
-        } else if (run.law == path::OrientationLaw::rotary || run.space == path::Space::machine) {
+        } else if (by_axes_) {
             rotary_from_ = {from_.orientation[0], from_.orientation[1]};
             rotary_to_ = {to_.orientation[0], to_.orientation[1]};
         }
     }
 
     Station at(double w) const {
+        if (curve_) w = curve_->at_length(w);
         Station out;
-        const Eigen::Vector3d position =
-            helix_ ? helix_->at(w)
-                   : Eigen::Vector3d((1 - w) * to_vector(from_.position_mm) + w * to_vector(to_.position_mm));
+        const Eigen::Vector3d position = position_at(w);
         const RotaryPosition rotary = rotary_at(w);
         std::array<double, 3> linear{position.x(), position.y(), position.z()};
         if (run_.space == path::Space::workpiece) linear = run_.kinematics->linear_for(position, rotary);
@@ -109,12 +112,14 @@ class BlockWay {
     }
 
     double way_mm() const {
+        if (curve_) return curve_->way_mm();
         return helix_ ? helix_->length() : (to_vector(to_.position_mm) - to_vector(from_.position_mm)).norm();
     }
     /// Parts that are looked at whatever they look like at their middles.
     int least_parts() const {
         double turned = turn(rotary_from_, rotary_to_);
         if (circle_) turned = std::max(turned, circle_->angle_rad());
+        if (curve_) turned = std::max(turned, least_of_curve * coarsest_turn_rad);
         const bool bent = run_.space == path::Space::workpiece && turned > 0;
         return std::clamp(
             static_cast<int>(std::ceil(std::max(bent ? turned / coarsest_turn_rad : 0.0, arc_rad_ / coarsest_arc_rad))),
@@ -122,13 +127,27 @@ class BlockWay {
     }
     /// The axes go straight from end to end: nothing turns, nothing is round.
     bool straight() const {
-        return !helix_ && (run_.space == path::Space::machine || !(turn(rotary_from_, rotary_to_) > 0));
+        return !helix_ && !curve_ && (run_.space == path::Space::machine || !(turn(rotary_from_, rotary_to_) > 0));
     }
 
   private:
+    // along a curve w is the share of its parameter
+
+    Eigen::Vector3d position_at(double w) const {
+        if (curve_) return to_vector(curve_->at(w).position_mm);
+        if (helix_) return helix_->at(w);
+        return (1 - w) * to_vector(from_.position_mm) + w * to_vector(to_.position_mm);
+    }
+    Eigen::Vector3d tool_axis_at(double w) const {
+        return curve_ ? to_vector(curve_->at(w).orientation) : circle_->at(w);
+    }
     RotaryPosition rotary_at(double w) const {
         RotaryPosition out = between(rotary_from_, rotary_to_, w);
-        if (by_vectors_ && follows_ && w > 0 && w < 1) nearest_solution(*run_.kinematics, circle_->at(w), out);
+        if (by_vectors_ && follows_ && w > 0 && w < 1) nearest_solution(*run_.kinematics, tool_axis_at(w), out);
+        if (by_axes_ && curve_) {
+            const auto there = curve_->at(w).orientation;
+            out = {there[0], there[1]};
+        }
         return out;
     }
 
@@ -136,10 +155,11 @@ class BlockWay {
     const machine::Machine& machine_;
     const PathCoordinates &from_, &to_;
     std::optional<geometry::Helix> helix_;
+    std::optional<path::CurveWay> curve_;
     std::optional<geometry::GreatCircle> circle_;
     RotaryPosition rotary_from_{}, rotary_to_{};
     double arc_rad_ = 0;
-    bool by_vectors_ = false, follows_ = false;
+    bool by_vectors_ = false, by_axes_ = false, follows_ = false;
 };
 
 /// How far the axes at the middle are from the chord.

@@ -160,9 +160,9 @@ Result<void> Reading::enter(const Move& move, Canonical& canonical) {
         geometry_ = index_of(geometry);
         position_ = coordinates_of(axes, geometry);
         canonical.recount(position_, geometry_);
-        canonical.wait(0, waits_->round_trip_s);
+        canonical.wait(LinuxcncWait::other, (*waits_)[LinuxcncWait::other]);
     } else if (move.offset != offset_ || move.tool != tool_) {
-        canonical.wait(0, waits_->round_trip_s);
+        canonical.wait(LinuxcncWait::other, (*waits_)[LinuxcncWait::other]);
     }
     offset_ = move.offset;
     tool_ = move.tool;
@@ -272,6 +272,8 @@ Result<void> Reading::move(const Move& move, Canonical& canonical) {
     way.feed = move.feed;
     way.line = move.line;
     if (!way.rapid && !(move.feed.value > 0)) return fail(at(move, "CTRL0105", "a cutting move without a feed"));
+    if (move.curve_part != program::no_curve_part)
+        return fail(at(move, "CTRL0114", "a curve of the program: LinuxCNC's splines are not modelled"));
     if (move.arc != program::no_arc) {
         auto circle = circle_of(move, *end, way.normal_axis);
         if (!circle) return fail(circle.error());
@@ -294,22 +296,26 @@ void Reading::words_before(std::size_t move, Canonical& canonical) {
 
 /// What the control does at a word beside motion: it waits until the motion has ended, and somewhat longer.
 void Reading::event(const program::Event& event, Canonical& canonical) {
+    const LinuxcncWaits& waits = *waits_;
     switch (event.kind) {
         case EventKind::dwell:
             canonical.length_over_feed_s += event.dwell_s;
-            return canonical.wait(event.dwell_s, waits_->beyond_dwell_s);
+            return canonical.wait(LinuxcncWait::dwell, waits[LinuxcncWait::dwell], event.dwell_s);
         case EventKind::tool:
-            if (event.stops_motion)
-                canonical.wait(
-                    0, prepared_line_ == event.line ? waits_->tool_preparation_and_change_s : waits_->tool_change_s);
-            else
+            if (!event.stops_motion)
                 prepared_line_ = event.line;
+            else if (prepared_line_ == event.line)
+                canonical.wait(LinuxcncWait::tool_preparation,
+                               waits[LinuxcncWait::tool_preparation] + waits[LinuxcncWait::tool_change]);
+            else
+                canonical.wait(LinuxcncWait::tool_change, waits[LinuxcncWait::tool_change]);
             return;
         case EventKind::coolant:
-            return canonical.wait(0, waits_->coolant_s);
+            return canonical.wait(LinuxcncWait::coolant, waits[LinuxcncWait::coolant]);
         case EventKind::spindle:
+            return canonical.wait(LinuxcncWait::spindle, waits[LinuxcncWait::spindle]);
         case EventKind::stop:
-            return canonical.wait(0, waits_->round_trip_s);
+            return canonical.wait(LinuxcncWait::other, waits[LinuxcncWait::other]);
         case EventKind::other:
             return;
     }

@@ -29,9 +29,47 @@ int too_frequent_knot(const std::vector<double>& knots, int degree, double begin
     return -1;
 }
 
+template <class Point>
+using Local = std::array<Point, max_degree + 1>;
+
+/// Control points of the derivative of the given order from those of the order before. In a non-empty interval no
+/// denominator is 0: all knots on the left of it are below those on the right.
+template <class Point>
+void differentiate(Local<Point>& local, const double* knot, int degree, int order) noexcept {
+    const double* left = knot - degree + order;
+    const double* right = knot + 1;
+    const int lower = degree - order;
+    for (int j = 0; j <= lower; ++j) local[j] = (lower + 1) / (right[j] - left[j]) * (local[j + 1] - local[j]);
+}
+
+/// The polar form of an interval's polynomial: u_of(r) is the argument of step r = 1 … degree. All alike: the value.
+template <class Point, class Argument>
+Point polar_form(Local<Point> local, const double* knot, int degree, const Argument& u_of) noexcept {
+    const double* left = knot - degree;
+    const double* right = knot + 1;
+    for (int r = 1; r <= degree; ++r)
+        for (int j = degree; j >= r; --j) {
+            const double share = (u_of(r) - left[j]) / (right[j - r] - left[j]);
+            local[j] = (1 - share) * local[j - 1] + share * local[j];
+        }
+    return local[degree];
+}
+
+template <class Point>
+std::array<Point, 4> derivatives(Local<Point> local, const double* knot, int degree, double u) noexcept {
+    std::array<Point, 4> out;
+    out.fill(Point::Zero());
+    for (int order = 0; order <= std::min(3, degree); ++order) {
+        if (order > 0) differentiate(local, knot, degree, order);
+        out[order] = polar_form(local, knot, degree - order, [u](int) { return u; });
+    }
+    return out;
+}
+
 }  // namespace
 
-Result<BsplineCurve> BsplineCurve::make(int degree, std::vector<double> knots, std::vector<Eigen::Vector3d> points) {
+Result<BsplineCurve> BsplineCurve::make(int degree, std::vector<double> knots, std::vector<Eigen::Vector3d> points,
+                                        std::vector<double> weights) {
     if (degree < 1 || degree > max_degree)
         return refuse("GEOM0101",
                       fmt::format("a spline of degree {} is not possible, only 1 to {}", degree, max_degree));
@@ -48,10 +86,14 @@ Result<BsplineCurve> BsplineCurve::make(int degree, std::vector<double> knots, s
                                               knots[static_cast<std::size_t>(at)]));
     if (!std::ranges::all_of(points, [](const Eigen::Vector3d& p) { return p.allFinite(); }))
         return refuse("GEOM0105", "a control point of a spline is not finite");
+    const bool positive = std::ranges::all_of(weights, [](double w) { return w > 0 && std::isfinite(w); });
+    if (!positive || (!weights.empty() && weights.size() != points.size()))
+        return refuse("GEOM0107", "the weights of a spline are not one a control point, or not all positive");
     BsplineCurve out;
     out.degree_ = degree;
     out.knots_ = std::move(knots);
     out.points_ = std::move(points);
+    out.weights_ = std::move(weights);
     return out;
 }
 
@@ -64,43 +106,43 @@ std::size_t BsplineCurve::span_of(double u) const noexcept {
     return static_cast<std::size_t>(after - knots_.begin()) - 1;
 }
 
-BsplineCurve::Local BsplineCurve::control_of(std::size_t span) const noexcept {
-    Local out;
+std::array<Eigen::Vector3d, max_degree + 1> BsplineCurve::local_points(std::size_t span) const noexcept {
+    Local<Eigen::Vector3d> out;
     out.fill(Eigen::Vector3d::Zero());
     const auto first = points_.begin() + static_cast<std::ptrdiff_t>(span) - degree_;
     std::copy(first, first + degree_ + 1, out.begin());
     return out;
 }
 
-/// Control points of the derivative of the given order from those of the order before. In a non-empty interval no
-/// denominator is 0: all knots on the left of it are below those on the right.
-void BsplineCurve::differentiate(Local& local, std::size_t span, int order) const noexcept {
-    const double* left = &knots_[span] - degree_ + order;
-    const double* right = &knots_[span] + 1;
-    const int lower = degree_ - order;
-    for (int j = 0; j <= lower; ++j) local[j] = (lower + 1) / (right[j] - left[j]) * (local[j + 1] - local[j]);
-}
-
-Eigen::Vector3d BsplineCurve::de_boor(Local local, std::size_t span, int degree, double u) const noexcept {
-    const double* left = &knots_[span] - degree;
-    const double* right = &knots_[span] + 1;
-    for (int r = 1; r <= degree; ++r)
-        for (int j = degree; j >= r; --j) {
-            const double share = (u - left[j]) / (right[j - r] - left[j]);
-            local[j] = (1 - share) * local[j - 1] + share * local[j];
-        }
-    return local[degree];
+std::array<Eigen::Vector4d, max_degree + 1> BsplineCurve::local_homogeneous(std::size_t span) const noexcept {
+    Local<Eigen::Vector4d> out;
+    out.fill(Eigen::Vector4d::Zero());
+    const std::size_t first = span - static_cast<std::size_t>(degree_);
+    for (std::size_t k = 0; k <= static_cast<std::size_t>(degree_); ++k) {
+        const double weight = weights_.empty() ? 1 : weights_[first + k];
+        out[k] << weight * points_[first + k], weight;
+    }
+    return out;
 }
 
 CurvePoint BsplineCurve::evaluate(double u) const noexcept {
     const std::size_t span = span_of(u);
-    CurvePoint out;
-    out.fill(Eigen::Vector3d::Zero());
-    Local local = control_of(span);
-    for (int order = 0; order <= std::min(3, degree_); ++order) {
-        if (order > 0) differentiate(local, span, order);
-        out[order] = de_boor(local, span, degree_ - order, u);
-    }
+    if (weights_.empty()) return derivatives(local_points(span), &knots_[span], degree_, u);
+    return quotient(derivatives(local_homogeneous(span), &knots_[span], degree_, u));
+}
+
+std::pair<double, double> BsplineCurve::interval_at(double u) const noexcept {
+    const std::size_t span = span_of(u);
+    return {knots_[span], knots_[span + 1]};
+}
+
+BezierPiece BsplineCurve::piece(double from, double to) const noexcept {
+    const std::size_t span = span_of(0.5 * (from + to));
+    const Local<Eigen::Vector4d> local = local_homogeneous(span);
+    BezierPiece out;
+    out.degree = degree_;
+    for (int k = 0; k <= degree_; ++k)
+        out.control[k] = polar_form(local, &knots_[span], degree_, [&](int r) { return r <= k ? to : from; });
     return out;
 }
 
@@ -110,14 +152,15 @@ std::vector<PolynomialPiece> BsplineCurve::pieces() const {
         if (!(knots_[span] < knots_[span + 1])) continue;
         PolynomialPiece piece{.u_begin = knots_[span], .u_end = knots_[span + 1], .degree = degree_};
         piece.coefficients_mm.fill(Eigen::Vector3d::Zero());
-        Local local = control_of(span);
+        Local<Eigen::Vector3d> local = local_points(span);
         double scale = 1;  // h^k / k!
         for (int k = 0; k <= degree_; ++k) {
             if (k > 0) {
-                differentiate(local, span, k);
+                differentiate(local, &knots_[span], degree_, k);
                 scale *= (piece.u_end - piece.u_begin) / k;
             }
-            piece.coefficients_mm[k] = scale * de_boor(local, span, degree_ - k, piece.u_begin);
+            piece.coefficients_mm[k] =
+                scale * polar_form(local, &knots_[span], degree_ - k, [&](int) { return piece.u_begin; });
         }
         out.push_back(piece);
     }

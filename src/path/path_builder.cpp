@@ -1,5 +1,6 @@
 #include "trunnion/path/path_builder.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +10,7 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/geometry/great_circle.hpp"
+#include "trunnion/path/curve_way.hpp"
 
 #include "detail/branch_following.hpp"
 #include "detail/surroundings.hpp"
@@ -139,25 +141,65 @@ Result<PathCoordinates> PathBuilder::coordinates_of(std::size_t move, const Surr
     return out;
 }
 
-/// The arc of a move in the frame of its run's positions. Untransformed coordinates become machine axes by a rigid
-/// motion where the linear axes stand at right angles; where that is a reflection (axes counted the other way) the arc
+/// Untransformed coordinates become machine axes by an affine map.
+PathBuilder::Placement PathBuilder::placement_of(const Move& move, const Surrounding& in) const {
+    if (move.space == Space::machine) return {};
+    if (move.space == Space::workpiece) return {in.offset->rotation, in.offset->origin_mm};
+    const auto linear = [&](const Eigen::Vector3d& position) {
+        return to_vector(detail::linear_of_untransformed(in, position));
+    };
+    Placement out{.shift_mm = linear(Eigen::Vector3d::Zero())};
+    for (int k = 0; k < 3; ++k) out.map.col(k) = linear(Eigen::Vector3d::Unit(k)) - out.shift_mm;
+    return out;
+}
+
+/// The arc of a move in the frame of its run's positions. Where the linear axes stand at right angles untransformed
+/// coordinates become machine axes by a rigid motion; where that is a reflection (axes counted the other way) the arc
 /// turns the other way about the reflected normal.
 Result<Arc> PathBuilder::arc_of(const Move& move, const Surrounding& in) const {
-    Arc arc = program_->arcs[static_cast<std::size_t>(move.arc)];
-    if (move.space == Space::machine) return arc;
-    const Eigen::Vector3d centre = detail::out_of_offset(*in.offset, arc.centre_mm);
-    const Eigen::Vector3d normal = in.offset->rotation * arc.normal;
-    if (move.space == Space::workpiece) return Arc{centre, normal, arc.angle_rad};
-    const auto linear = [&](const Eigen::Vector3d& tip) {
-        return to_vector(in.kinematics->linear_for(tip, RotaryPosition{}));
-    };
-    const Eigen::Vector3d zero = linear(Eigen::Vector3d::Zero());
-    Eigen::Matrix3d map;
-    for (int k = 0; k < 3; ++k) map.col(k) = linear(Eigen::Vector3d::Unit(k)) - zero;
-    if ((map.transpose() * map - Eigen::Matrix3d::Identity()).norm() > right_angle_slack)
+    const Arc& arc = program_->arcs[static_cast<std::size_t>(move.arc)];
+    const Placement placement = placement_of(move, in);
+    const Eigen::Matrix3d& map = placement.map;
+    if (move.space == Space::untransformed &&
+        (map.transpose() * map - Eigen::Matrix3d::Identity()).norm() > right_angle_slack)
         return fail(detail::at_move(*program_, move, "PATH0008",
                                     "an arc without TCP on a machine whose linear axes are not at right angles"));
-    return Arc{zero + map * centre, map.determinant() * (map * normal), arc.angle_rad};
+    const double sense = map.determinant() < 0 ? -1 : 1;
+    return Arc{map * arc.centre_mm + placement.shift_mm, sense * (map * arc.normal), arc.angle_rad};
+}
+
+/// Program words as positions of the machine's rotary axes; an axis without a word stays where it stands.
+geometry::BezierPiece PathBuilder::machine_axes_of(const geometry::BezierPiece& words,
+                                                   const PathCoordinates& from) const {
+    Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d standing = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < machine_->rotary_count; ++axis) {
+        const int word = surroundings_->word_of_axis(axis);
+        if (word >= 0)
+            map(axis, word) = 1;
+        else
+            standing[axis] = from.orientation[static_cast<std::size_t>(axis)];
+    }
+    return words.mapped(map, standing);
+}
+
+/// The curve of a move in the coordinates of its run, from where the machine is to `to`.
+Result<CurvePiece> PathBuilder::curve_of(std::size_t index, const PathCoordinates& to, const Surrounding& in) const {
+    const Move& move = program_->moves[index];
+    const Placement placement = placement_of(move, in);
+    CurvePiece out = surroundings_->curve_of(move);
+    out.position = out.position.mapped(placement.map, placement.shift_mm);
+    const bool by_axes = law_of(index) == OrientationLaw::rotary;
+    if (by_axes && move.law == OrientationLaw::vector) out.orientation.reset();  // the tool stays, the axes turn
+    if (out.orientation)
+        out.orientation = by_axes ? machine_axes_of(*out.orientation, at_)
+                                  : out.orientation->mapped(in.offset->rotation, Eigen::Vector3d::Zero());
+    const auto end_at = [](const PathCoordinates& at) {
+        return detail::CurveEnd{to_vector(at.position_mm), to_vector(at.orientation)};
+    };
+    if (auto fits = detail::fit_ends(out, end_at(at_), end_at(to), !by_axes, *program_, move); !fits)
+        return fail(fits.error());
+    return out;
 }
 
 /// Takes space, law and tool of the next move into use. The machine stands still meanwhile: with a tool of another
@@ -193,33 +235,49 @@ Result<void> PathBuilder::begin_run(Run& run) {
     return {};
 }
 
-Result<void> PathBuilder::add_move(Run& run) {
-    const Move& move = program_->moves[move_];
-    auto in = surroundings_->of(move);
-    if (!in) return fail(in.error());
-    auto to = coordinates_of(move_, *in);
-    if (!to) return fail(to.error());
+/// The block from where the machine is to the end of a move; its arc or curve becomes the run's last one.
+Result<Block> PathBuilder::block_to(std::size_t index, const PathCoordinates& to, Run& run) {
+    const Move& move = program_->moves[index];
+    const auto in = surroundings_->of(move);
     Block block{.feed = move.feed, .line = move.line};
-    if (move.arc != program::no_arc) {
+    if (move.curve_part != program::no_curve_part) {
+        auto curve = curve_of(index, to, *in);
+        if (!curve) return fail(curve.error());
+        block.curve = static_cast<std::int32_t>(run.curves.size());
+        block.length_mm = CurveWay(run, *curve, at_, to).length_mm(0, 1);
+        run.curves.push_back(*curve);
+    } else if (move.arc != program::no_arc) {
         auto arc = arc_of(move, *in);
         if (!arc) return fail(arc.error());
         const Eigen::Vector3d arm = to_vector(at_.position_mm) - arc->centre_mm;
         if (!(arm.cross(arc->normal).norm() > least_radius_mm))
             return fail(detail::at_move(*program_, move, "PATH0009", "the arc begins on its own axis"));
         block.arc = static_cast<std::int32_t>(run.arcs.size());
-        block.length_mm = block_length_mm(run, at_, *to, &*arc);
+        block.length_mm = block_length_mm(run, at_, to, &*arc);
         run.arcs.push_back(*arc);
     } else {
-        block.length_mm = block_length_mm(run, at_, *to);
+        block.length_mm = block_length_mm(run, at_, to);
     }
-    if (!(block.length_mm <= detail::longest_move_mm))
+    return block;
+}
+
+Result<void> PathBuilder::add_move(Run& run) {
+    const Move& move = program_->moves[move_];
+    auto in = surroundings_->of(move);
+    if (!in) return fail(in.error());
+    auto to = coordinates_of(move_, *in);
+    if (!to) return fail(to.error());
+    const auto block = block_to(move_, *to, run);
+    if (!block) return fail(block.error());
+    if (!(block->length_mm <= detail::longest_move_mm))
         return fail(detail::at_move(*program_, move, "PATH0010", "the move is longer than 10 km"));
-    if (block.length_mm < shortest_block_mm) {
-        if (block.arc != program::no_arc) run.arcs.pop_back();
+    if (block->length_mm < shortest_block_mm) {
+        if (block->arc != program::no_arc) run.arcs.pop_back();
+        if (block->curve != no_curve) run.curves.pop_back();
         return {};
     }
     run.vertices.push_back(*to);
-    run.blocks.push_back(block);
+    run.blocks.push_back(*block);
     if (run.law == OrientationLaw::vector) run.stands.push_back(stands_[move_].rotary_rad);
     at_ = *to;
     return {};

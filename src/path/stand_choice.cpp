@@ -42,7 +42,7 @@ Result<std::size_t> StandChoice::end_of_vectors(std::size_t first) const {
         if (stop_between(program_, next) != StopCause::corner) return k;
         const auto stays = at_pole(next);
         if (!stays) return fail(stays.error());
-        if (*stays) return k;
+        if (*stays && program_.moves[next].curve_part == program::no_curve_part) return k;
     }
 }
 

@@ -33,6 +33,7 @@ Result<Surroundings> Surroundings::make(const Program& program, const machine::M
                 at_move(program, move, "PATH0010", "the move goes beyond 10 km, or a coordinate is not finite"));
     Surroundings out(program, machine, setup);
     if (auto found = out.find_words(); !found) return fail(found.error());
+    if (auto sound = out.curves_.check(); !sound) return fail(sound.error());
     out.tools_.resize(program.tools.size());
     out.offsets_.resize(program.offsets.size());
     return out;

@@ -19,8 +19,9 @@ Result<ToolPose> VectorWay::end_of(std::size_t move, const Eigen::Vector3d& tip_
 }
 
 Result<PosesBetween> VectorWay::between(std::size_t move, const ToolPose& from, const ToolPose& to) const {
-    if (geometry::angle_between(from.axis, to.axis) > opposite_rad) return fail(half_a_turn(move));
     const program::Move& of = program_->moves[move];
+    if (of.curve_part != program::no_curve_part) return along_curve(move, from, to);
+    if (geometry::angle_between(from.axis, to.axis) > opposite_rad) return fail(half_a_turn(move));
     if (of.arc == program::no_arc) return PosesBetween(from, to, std::nullopt);
     auto in = surroundings_->of(of);
     if (!in) return fail(in.error());
@@ -28,6 +29,20 @@ Result<PosesBetween> VectorWay::between(std::size_t move, const ToolPose& from, 
     return PosesBetween(from, to,
                         geometry::Helix(from.tip_mm, to.tip_mm, out_of_offset(*in->offset, arc.centre_mm),
                                         in->offset->rotation * arc.normal, arc.angle_rad));
+}
+
+Result<PosesBetween> VectorWay::along_curve(std::size_t move, const ToolPose& from, const ToolPose& to) const {
+    const program::Move& of = program_->moves[move];
+    auto in = surroundings_->of(of);
+    if (!in) return fail(in.error());
+    CurvePiece curve = surroundings_->curve_of(of);
+    if (!curve.orientation && geometry::angle_between(from.axis, to.axis) > opposite_rad)
+        return fail(half_a_turn(move));
+    curve.position = curve.position.mapped(in->offset->rotation, in->offset->origin_mm);
+    if (curve.orientation) curve.orientation = curve.orientation->mapped(in->offset->rotation, Eigen::Vector3d::Zero());
+    if (auto fits = fit_ends(curve, {from.tip_mm, from.axis}, {to.tip_mm, to.axis}, true, *program_, of); !fits)
+        return fail(fits.error());
+    return PosesBetween(from, to, curve);
 }
 
 Result<RotarySolutions> VectorWay::solutions_at_end(std::size_t move) const {

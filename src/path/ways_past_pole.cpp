@@ -50,18 +50,21 @@ Result<std::vector<PoleCandidate>> StandChoice::candidates(std::size_t first, st
     if (!pose) return fail(pose.error());
     std::vector<VectorBlock> blocks;
     Tangent before_that = Tangent::Zero();
+    bool after_curve = false;
     for (std::size_t k = first; k <= last && !poles.empty(); ++k) {
         const auto to = way_.end_of(k, pose->tip_mm);
         if (!to) return fail(to.error());
         if (k > 0 && !is_rapid(k)) {
             const auto poses = way_.between(k, *pose, *to);
             if (!poses) return fail(poses.error());
-            const double way = poses->arc() ? poses->arc()->length() : (to->tip_mm - pose->tip_mm).norm();
             const Tangent tangent = chord(*pose, *to);
-            const bool at_rest = stop_between(program_, k) != StopCause::corner || turns_back(before_that, tangent);
-            blocks.push_back(
-                {k, pose->axis, to->axis, std::hypot(way, reference_height_mm * poses->turn_rad()), at_rest});
+            // Along a curve that says the tool axis nothing is shifted: it is no great circle.
+            const bool at_rest = stop_between(program_, k) != StopCause::corner || turns_back(before_that, tangent) ||
+                                 poses->says_axis() || after_curve;
+            blocks.push_back({k, poses->says_axis() ? to->axis : pose->axis, to->axis,
+                              std::hypot(poses->length_mm(), reference_height_mm * poses->turn_rad()), at_rest});
             before_that = tangent;
+            after_curve = poses->says_axis();
         }
         pose = *to;
     }

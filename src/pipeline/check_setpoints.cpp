@@ -79,7 +79,7 @@ std::string to_json(const verify::Verdict& v) {
     for (const auto& b : v.broken)
         out["broken"].push_back(
             {{"what", b.what}, {"t_s", b.time_s}, {"line", b.line}, {"value", b.value}, {"limit", b.limit}});
-    return out.dump(1) + "\n";
+    return out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace trunnion::pipeline

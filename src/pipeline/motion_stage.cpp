@@ -1,9 +1,8 @@
 #include "detail/motion_stage.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-
-#include "trunnion/interpolation/interpolator.hpp"
 
 #include "detail/path_samples.hpp"
 #include "detail/stopwatch.hpp"
@@ -52,7 +51,7 @@ void MotionStage::perform(const feed::StretchPlan& plan) {
     moved_ = true;
     hold_until(time_s_);
     events_of_stretch(plan.profile, table);
-    sample(plan.profile, table);
+    sample(plan, table);
     if (options_.path_samples)
         hand_out_path_samples(path(), plan.profile, table, p_mm_, options_.smoothing.flank_height_mm, observer_);
     account_.add(path(), plan, table);
@@ -100,14 +99,26 @@ void MotionStage::hold_until(double time_s) {
         emit({t, at_, line_, s_mm_, 0});
 }
 
-void MotionStage::sample(const motion::FeedProfile& profile, const StretchTable& table) {
-    const double end_s = time_s_ + profile.duration_s();
-    interpolation::Interpolator interpolator(path(), profile);
+/// What holds the speed down at an instant of the stretch.
+SetpointLimit MotionStage::limit_at(const feed::StretchPlan& plan, const interpolation::Instant& now) const {
+    const path::ToolPath& tool_path = path().tool_path();
+    path::AxisSample at;
+    path().evaluate(now.place, at);
+    const double tip_rate = std::hypot(at.tip[0].d1(), at.tip[1].d1(), at.tip[2].d1());
+    return {.programmed_feed_mm_s = tip_rate * feed::feed_speed_cap(tool_path.blocks[now.block], at),
+            .cause = plan.causes[now.path_state.profile_piece],
+            .rapid = tool_path.rapid};
+}
+
+void MotionStage::sample(const feed::StretchPlan& plan, const StretchTable& table) {
+    const double end_s = time_s_ + plan.profile.duration_s();
+    interpolation::Interpolator interpolator(path(), plan.profile);
     for (double t = static_cast<double>(row_) * options_.period_s; t < end_s;
          t = static_cast<double>(row_) * options_.period_s) {
         const interpolation::Instant now = interpolator.at(t - time_s_);
         const std::size_t piece = now.path_state.profile_piece;
         const double s = table.s_mm[piece] + (now.tip_in_workpiece_mm - table.tip_mm[piece]).norm();
+        if (options_.setpoint_limits) observer_.setpoint_limit(limit_at(plan, now));
         emit({t, now.position, path().tool_path().blocks[now.block].line, s, now.tip_speed_mm_s});
     }
 }

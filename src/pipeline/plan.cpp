@@ -111,9 +111,10 @@ Result<Summary> plan(const program::Program& program, const machine::Machine& ma
     summary->setup = setup.file;
     summary->diagnostics.insert(summary->diagnostics.begin(), program.diagnostics.begin(), program.diagnostics.end());
     if (told)
-        summary->diagnostics.push_back({.code = "PIPE0104",
-                                        .severity = Severity::warning,
-                                        .text = "a tolerance of 0 leaves nothing to round: exact stop at every corner"});
+        summary->diagnostics.push_back(
+            {.code = "PIPE0104",
+             .severity = Severity::warning,
+             .text = "a tolerance of 0 leaves nothing to round: exact stop at every corner"});
     summary->work.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summary->work.peak_memory_mb = peak_memory_mb();
     return summary;

@@ -26,7 +26,11 @@ DeviationHull::DeviationHull(const path::Run& run, const Measure& measure, const
       has_frames_(!measure.vectors() && run.kinematics && run.kinematics->rotary_count() > 0) {
     const double turn = line.largest_turn_rad;
     sideways_ = chord_sideways * turn * turn * turn;
-    chord_error_mm_ = 1.01 * line.chord_error_mm;  // and what it is off along the chord
+    const double off_mm = 1.01 * line.chord_error_mm;  // and what an arc is off along the chord
+    const double arm_mm = 2 * measure.arm_mm();        // both axes
+    chord_.turn = line.chord_turn_rad;
+    chord_.tip = off_mm + (measure.controlled_height_mm() + arm_mm) * line.chord_turn_rad;
+    chord_.height = off_mm + (measure.flank_height_mm() + arm_mm) * line.chord_turn_rad;
 }
 
 Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, const Coordinates& to) {
@@ -139,9 +143,9 @@ Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, cons
     for (int k = 1; k < 7; ++k) widen(hull, measured(d[k], lever));
     if (has_frames_) sharpen(hull, ends, d, from, to);
     widen(seen_, ends);
-    hull.tip += measure_.controlled_height_mm() * beyond + chord_error_mm_;
-    hull.turn += beyond;
-    hull.height += measure_.flank_height_mm() * beyond + chord_error_mm_;
+    hull.tip += measure_.controlled_height_mm() * beyond + chord_.tip;
+    hull.turn += beyond + chord_.turn;
+    hull.height += measure_.flank_height_mm() * beyond + chord_.height;
     if (depth == most_halvings || !slack(hull)) return hull;
     const Coordinates middle = 0.5 * (from + to);
     Bernstein after = curve;
@@ -152,9 +156,9 @@ Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, cons
 }
 
 bool DeviationHull::slack(const Extent& hull) const {
-    const double near_mm = chord_error_mm_ + 1e-9;
-    return hull.tip > worth_halving * seen_.tip + near_mm || hull.turn > worth_halving * seen_.turn + 1e-11 ||
-           hull.height > worth_halving * seen_.height + near_mm;
+    return hull.tip > worth_halving * seen_.tip + chord_.tip + 1e-9 ||
+           hull.turn > worth_halving * seen_.turn + chord_.turn + 1e-11 ||
+           hull.height > worth_halving * seen_.height + chord_.height + 1e-9;
 }
 
 }  // namespace trunnion::smoothing

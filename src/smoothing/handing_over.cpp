@@ -157,7 +157,7 @@ std::vector<std::size_t> lone_corners(const path::Run& run, VertexRange range, c
         if (curve.line.programmed[k] < 0) continue;
         const auto vertex = static_cast<std::size_t>(curve.line.programmed[k]);
         const path::Block &before = run.blocks[vertex - 1], &after = run.blocks[vertex];
-        if (before.arc != program::no_arc || after.arc != program::no_arc) continue;
+        if (is_round(before) || is_round(after)) continue;
         const std::size_t j = bumps.first() + k;
         const double shorter = std::min(before.length_mm, after.length_mm);
         if (bumps.corner_share[j] > mostly && bumps.corner_width[j] < mostly * shorter) out.push_back(vertex);

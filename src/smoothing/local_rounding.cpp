@@ -21,7 +21,8 @@ Division division(const Measure& measure, const SmoothingOptions& options) {
     const double point_mm = options.flank_tolerance_mm > 0
                                 ? std::min(options.tip_tolerance_mm, options.flank_tolerance_mm)
                                 : options.tip_tolerance_mm;
-    return {std::cbrt(dividing_share * measure.turn_tolerance_rad() / chord_sideways), dividing_share * point_mm};
+    return {std::cbrt(dividing_share * measure.turn_tolerance_rad() / chord_sideways), dividing_share * point_mm,
+            dividing_share * measure.turn_tolerance_rad()};
 }
 
 class LocalRounding {

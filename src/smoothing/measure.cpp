@@ -41,8 +41,12 @@ double largest_arm(const path::Run& run, VertexRange range) {
             arm = std::max(arm, distance_from_axis(kinematics, axes, a));
         if (i == range.last) break;
         const Coordinates step = joined(run.vertices[i + 1]) - joined(run.vertices[i]);
-        way = std::max(way, run.blocks[i].arc == program::no_arc ? step.head<3>().norm() : run.blocks[i].length_mm);
+        const path::Block& block = run.blocks[i];
+        const bool straight = block.arc == program::no_arc && block.curve == path::no_curve;
+        way = std::max(way, straight ? step.head<3>().norm() : block.length_mm);
         turn = std::max(turn, step.tail<3>().cwiseAbs().maxCoeff());
+        if (block.curve != path::no_curve && run.curves[block.curve].orientation)
+            turn = std::max(turn, run.curves[block.curve].orientation->polygon_length());
     }
     return (arm + 0.5 * way) * std::exp(0.5 * turn);
 }

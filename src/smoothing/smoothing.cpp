@@ -10,6 +10,7 @@
 #include "detail/handing_over.hpp"
 #include "detail/local_rounding.hpp"
 #include "detail/pole.hpp"
+#include "detail/programmed_block.hpp"
 #include "detail/straight.hpp"
 
 namespace trunnion::smoothing {
@@ -55,7 +56,7 @@ Kept without_doubled_points(const path::Run& run) {
 
 /// The tangent changes, or curvature does.
 bool is_kink(const path::Run& run, std::size_t vertex) {
-    if (run.blocks[vertex].arc != program::no_arc || run.blocks[vertex - 1].arc != program::no_arc) return true;
+    if (is_round(run.blocks[vertex]) || is_round(run.blocks[vertex - 1])) return !curve_goes_on(run, vertex);
     return (tangent_at_begin(run, vertex) - tangent_at_end(run, vertex - 1)).norm() > no_kink;
 }
 
@@ -225,6 +226,14 @@ class Smoother {
     std::vector<char> stale_;
 };
 
+/// Nothing is to be rounded inside: one block, or parts of curves that go on with the same tangent and curvature.
+bool goes_on_throughout(const path::Run& run, VertexRange range) {
+    if (range.last == range.first + 1) return true;
+    for (std::size_t i = range.first; i < range.last; ++i)
+        if (!ProgrammedBlock(run, i).is_regular_curve() || (i > range.first && !curve_goes_on(run, i))) return false;
+    return true;
+}
+
 class RunSmoother {
   public:
     RunSmoother(const path::Run& run, const SmoothingOptions& options, std::vector<path::ToolPath>& out)
@@ -252,7 +261,7 @@ class RunSmoother {
     }
 
     void smooth(VertexRange range, path::StopCause stop) {
-        if (range.last == range.first + 1) {
+        if (goes_on_throughout(run_, range)) {
             append_straight(run_, range, stop, options_, out_);
             return lead_through_poles(run_, range, options_, out_.back());
         }

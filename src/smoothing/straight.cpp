@@ -12,8 +12,11 @@ namespace trunnion::smoothing {
 namespace {
 
 constexpr double largest_turn_rad =
-    20 * std::numbers::pi / 180;               // of one septic piece: 3e-11 of the radius off a circle
-constexpr double least_lever_of_length = 0.1;  // as in the definition of p
+    20 * std::numbers::pi / 180;                      // of one septic piece: 3e-11 of the radius off a circle
+constexpr double least_lever_of_length = 0.1;         // as in the definition of p
+constexpr double exact_mm = 1e-8, exact_rad = 1e-10;  // so near a septic piece follows a curve
+constexpr double beyond_middle = 2;                   // times what it is off in the middle it may be anywhere
+constexpr int most_halvings = 12;
 
 Coordinates tangent(const path::Run& run, std::size_t block, double part) {
     const HermiteEnd end = ProgrammedBlock(run, block).at(part);
@@ -29,7 +32,38 @@ double off_unit_circle(double angle_rad) {
     return 1.5 * std::pow(0.5 * angle_rad, 8) / 40320;
 }
 
+/// The septic piece along a part of a curve, from p = 0.
+path::PathPiece piece_along(const ProgrammedBlock& block, double from, double to) {
+    const HermiteEnd start = block.at(from);
+    HermiteEnd end = block.at(to);
+    end.value -= start.value;
+    return hermite_piece(0, block.curve()->length_mm(from, to), start, end);
+}
+
+/// Distance of such a piece from the curve in the middle of it, where septic interpolation is worst: of two halves,
+/// which are as good as the curve. At equal p.
+Coordinates off_middle(const path::PathPiece& whole, const path::PathPiece& first_half) {
+    return progress(whole, first_half.length_mm / whole.length_mm) - progress(first_half, 1);
+}
+
+void append_curve(const ProgrammedBlock& block, double from, double to, int depth, path::ToolPath& path) {
+    const path::PathPiece whole = piece_along(block, from, to);
+    const double middle = 0.5 * (from + to);
+    const Coordinates off = off_middle(whole, piece_along(block, from, middle));
+    const double off_mm = off.head<3>().norm(), off_rad = off.tail<3>().norm();
+    if (depth < most_halvings && (off_mm > exact_mm || off_rad > exact_rad)) {
+        append_curve(block, from, middle, depth + 1, path);
+        return append_curve(block, middle, to, depth + 1, path);
+    }
+    const double begin = path.length_mm();
+    path.pieces.push_back(whole);
+    path.pieces.back().begin_mm = begin;
+    path.bound.tip_mm = std::max(path.bound.tip_mm, beyond_middle * off_mm);
+    path.bound.orientation_rad = std::max(path.bound.orientation_rad, beyond_middle * off_rad);
+}
+
 void append_block(const ProgrammedBlock& block, path::ToolPath& path) {
+    if (block.curve()) return append_curve(block, 0, 1, 0, path);
     const double arc_rad = block.arc() ? std::abs(block.arc()->angle_rad()) : 0;
     const int parts = std::max(1, static_cast<int>(std::ceil(std::max(block.turn_rad(), arc_rad) / largest_turn_rad)));
     const double length = block.length_mm() / parts, begin = path.length_mm();

@@ -15,7 +15,7 @@ namespace trunnion::smoothing {
 namespace {
 
 constexpr double cap_at_10um_mm = 6;
-constexpr double chord_part = 1.0 / 40;  // of the tip tolerance: an arc from its chords
+constexpr double chord_part = 1.0 / 40;  // of the tolerances: an arc or curve from its chords
 constexpr double variation_aim = 0.8;
 constexpr double corner_radius_part = 0.2;  // of the raw width: within it kinks count as one corner
 constexpr double least_corner_radius_mm = 0.05;
@@ -272,7 +272,8 @@ Polyline chords(const path::Run& run, VertexRange range, const Measure& measure)
     constexpr double degree = std::numbers::pi / 180;
     return make_polyline(run, range,
                          {std::clamp(2 * measure.turn_tolerance_rad(), 0.2 * degree, 2 * degree),
-                          std::clamp(measure.tip_tolerance_mm() * chord_part, 1e-5, 1e-3)});
+                          std::clamp(measure.tip_tolerance_mm() * chord_part, 1e-5, 1e-3),
+                          std::clamp(measure.turn_tolerance_rad() * chord_part, 1e-7, 1e-4)});
 }
 
 void find_widths(Curve& curve) {

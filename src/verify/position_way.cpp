@@ -1,5 +1,6 @@
 #include "detail/position_way.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -40,7 +41,17 @@ std::optional<PositionWay> PositionWay::round(const Eigen::Vector3d& start, cons
     return out;
 }
 
+std::optional<PositionWay> PositionWay::along(const Eigen::Vector3d& start, const Eigen::Vector3d& end,
+                                              const CurveCourse& curve) {
+    const Eigen::Vector3d at_start = start - curve.position(0), at_end = end - curve.position(1);
+    if (!(std::max(at_start.norm(), at_end.norm()) <= off_curve_mm)) return {};
+    PositionWay out = straight(at_start, at_end);
+    out.curve_ = curve;
+    return out;
+}
+
 Eigen::Vector3d PositionWay::at(double w) const {
+    if (curve_) return curve_->position(w) + foot_ + w * climb_;
     const Eigen::Vector3d turned = Eigen::AngleAxisd(w * angle_rad_, normal_) * spoke_;
     return foot_ + w * climb_ + (1 + w * growth_) * turned;
 }

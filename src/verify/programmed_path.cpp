@@ -55,11 +55,53 @@ struct Leg {
     bool by_axes = false;     // the rotary axes go linearly; else the tool axis turns in a plane
     Rotary from{}, to{};
     Eigen::Vector3d axis_from, axis_to;
+    std::array<int, machine::max_rotary_axes> word{-1, -1};   // of the curve, by rotary axis
+    Eigen::Matrix3d axis_turn = Eigen::Matrix3d::Identity();  // from the work offset
+
+    bool says_axis() const { return !by_axes && way.curve() && way.curve()->says_axis(); }
+    bool says_rotary() const { return by_axes && way.curve() && way.curve()->says_rotary() && word != no_words; }
     double turn_rad() const {
-        double out = std::abs(way.turn_rad());
+        double out = way.curve() ? turn_of_curve_rad : std::abs(way.turn_rad());
         for (std::size_t r = 0; by_axes && r < from.size(); ++r) out = std::max(out, std::abs(to[r] - from[r]));
         return out;
     }
+    /// What a curve's axis and words are off the ends of the move is spread along the way.
+    Eigen::Vector3d axis_at(double w) const {
+        if (!says_axis()) return turned_in_plane(axis_from, axis_to, w);
+        const auto said = [&](double share) { return (axis_turn * way.curve()->axis(share)).normalized().eval(); };
+        return (said(w) + (1 - w) * (axis_from - said(0)) + w * (axis_to - said(1))).normalized();
+    }
+    Rotary rotary_at(double w) const {
+        Rotary out = between(from, to, w);
+        if (!says_rotary()) return out;
+        const auto there = way.curve()->rotary_rad(w), first = way.curve()->rotary_rad(0),
+                   last = way.curve()->rotary_rad(1);
+        for (std::size_t r = 0; r < out.size(); ++r) {
+            if (word[r] < 0) continue;
+            const auto k = static_cast<std::size_t>(word[r]);
+            out[r] += there[k] - (1 - w) * first[k] - w * last[k];
+        }
+        return out;
+    }
+    /// Whether what a curve says of the orientation is where the move begins and ends.
+    bool fits_ends() const {
+        double off = 0;
+        for (const double w : {0.0, 1.0}) {
+            if (says_axis()) {
+                const Eigen::Vector3d said = axis_turn * way.curve()->axis(w);
+                if (!(said.norm() > 0)) return false;
+                off = std::max(off, angle_between(said.normalized(), w == 0 ? axis_from : axis_to));
+            }
+            for (std::size_t r = 0; r < from.size() && says_rotary(); ++r)
+                if (word[r] >= 0)
+                    off = std::max(off, std::abs(way.curve()->rotary_rad(w)[static_cast<std::size_t>(word[r])] -
+                                                 (w == 0 ? from[r] : to[r])));
+        }
+        return off <= PositionWay::off_curve_mm / chord_height_mm;
+    }
+
+    static constexpr std::array<int, machine::max_rotary_axes> no_words{-1, -1};
+    static constexpr double turn_of_curve_rad = 4;  // one span: eight parts to begin with
 };
 
 /// Walks through the moves and keeps where the tool is.
@@ -350,20 +392,30 @@ class Expansion {
         if (poses_.empty()) return push(pose);
         if (by_axes(n) && !rotary_) return fail(unknown_rotary(move));
         if (pose.kind == PoseKind::rotary) poses_.back().rotary_rad = *rotary_;
-        if (move.space == Space::workpiece && move.arc == program::no_arc) return push(pose);
+        const bool straight = move.arc == program::no_arc && move.curve_part == program::no_curve_part;
+        if (move.space == Space::workpiece && straight) return push(pose);
         const auto way = way_of(move, position, placement);
         if (!way) return fail(way.error());
         Leg leg{.way = *way, .placement = placement, .axis_from = poses_.back().axis, .axis_to = pose.axis};
         leg.in_machine = move.space != Space::workpiece;
         leg.by_axes = by_axes(n);
         if (leg.by_axes) leg.from = *rotary_, leg.to = *rotary;
-        if (!leg.by_axes && opposite(leg.axis_from, leg.axis_to)) return fail(half_a_turn(move.line));
+        if (way->curve()) {
+            leg.axis_turn = offset(move)->rotation;
+            for (std::size_t w = 0; w < rotary_of_word_.size() && turned_by_words(move); ++w)
+                leg.word[static_cast<std::size_t>(rotary_of_word_[w])] = static_cast<int>(w);
+            if (!leg.fits_ends() || (leg.in_machine && move.law == OrientationLaw::vector && way->curve()->says_axis()))
+                return fail(no_curve(move.line));
+        }
+        if (!leg.by_axes && !leg.says_axis() && opposite(leg.axis_from, leg.axis_to))
+            return fail(half_a_turn(move.line));
         return add_chords(leg, 0, poses_.back(), 1, pose, 0);
     }
 
-    Result<PositionWay> way_of(const Move& move, const Eigen::Vector3d& end, const Placement& placement) const {
+    Result<PositionWay> way_of(const Move& move, const Eigen::Vector3d& end, const Placement& placement) {
         const auto start = start_of(move, placement);
         if (!start) return fail(start.error());
+        if (move.curve_part != program::no_curve_part) return along_curve(move, *start, end);
         if (move.arc == program::no_arc) return PositionWay::straight(*start, end);
         if (move.arc >= 0 && static_cast<std::size_t>(move.arc) < program_.arcs.size())
             if (const auto round = PositionWay::round(*start, end, program_.arcs[static_cast<std::size_t>(move.arc)]))
@@ -371,17 +423,35 @@ class Expansion {
         return fail(diagnose(move.line, "VER0111", "the arc has no radius or direction, or does not lead to its end"));
     }
 
+    Result<PositionWay> along_curve(const Move& move, const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
+        const program::Curve* curve = CurveCourse::curve_of(program_, move);
+        if (!curve || move.arc != program::no_arc) return fail(no_curve(move.line));
+        if (curve != sound_curve_ && !CurveCourse::is_curve(*curve, program_.rotary_letters.size()))
+            return fail(no_curve(move.line));
+        sound_curve_ = curve;
+        const auto course = CurveCourse::make(program_, move);
+        if (!course) return fail(no_curve(move.line));
+        const auto way = PositionWay::along(start, end, *course);
+        if (!way) return fail(no_curve(move.line));
+        return *way;
+    }
+
+    Diagnostic no_curve(std::int32_t line) const {
+        return diagnose(line, "VER0112",
+                        "there is no such part of a curve, or it does not lead to the end of its move");
+    }
+
     ProgrammedPose pose_at(const Leg& leg, double w, const ProgrammedPose& end) const {
         ProgrammedPose out = end;
         out.stands = out.literal = false;
         const Eigen::Vector3d place = leg.placement.of(leg.way.at(w));
-        const Rotary rotary = between(leg.from, leg.to, w);
+        const Rotary rotary = leg.rotary_at(w);
         if (leg.in_machine) {
             set_pose(out, linear_at(place, rotary), rotary);
             return out;
         }
         out.tip_mm = place;
-        out.axis = leg.by_axes ? chain_.gauge(axes_of(rotary)).axis : turned_in_plane(leg.axis_from, leg.axis_to, w);
+        out.axis = leg.by_axes ? chain_.gauge(axes_of(rotary)).axis : leg.axis_at(w);
         if (leg.by_axes) out.rotary_rad = rotary;
         return out;
     }
@@ -413,12 +483,18 @@ class Expansion {
         for (const double share : {0.25, 0.5, 0.75}) {
             const ProgrammedPose seen = pose_at(leg, from + share * (to - from), b);
             const Eigen::Vector3d off = seen.tip_mm - a.tip_mm - share * (b.tip_mm - a.tip_mm);
-            const bool exact_axis = b.kind == PoseKind::rotary;
-            const Eigen::Vector3d axis = exact_axis ? seen.axis : turned_in_plane(a.axis, b.axis, share);
+            const bool exact_axis = b.kind == PoseKind::rotary && !leg.says_rotary();
+            const Eigen::Vector3d axis = exact_axis ? seen.axis : axis_between(leg, a, b, share);
             error = std::max({error, off.norm(), (off + chord_height_mm * (seen.axis - axis)).norm()});
         }
         if (error <= chord_tolerance_mm) return 1;
         return std::max(2.0, std::ceil(part_margin * std::sqrt(error / chord_tolerance_mm)));
+    }
+
+    /// The tool axis on the chord from one pose to another.
+    Eigen::Vector3d axis_between(const Leg& leg, const ProgrammedPose& a, const ProgrammedPose& b, double share) const {
+        if (b.kind != PoseKind::rotary || !leg.says_rotary()) return turned_in_plane(a.axis, b.axis, share);
+        return chain_.gauge(axes_of(between(a.rotary_rad, b.rotary_rad, share))).axis;
     }
 
     Diagnostic half_a_turn(std::int32_t line) const {
@@ -450,6 +526,7 @@ class Expansion {
     std::optional<Rotary> rotary_;            // where the rotary axes stand, if that is known
     std::optional<Placement> untransformed_;  // of the tool in use
     std::uint16_t untransformed_offset_ = 0;
+    const program::Curve* sound_curve_ = nullptr;  // the last one that was looked at
 };
 
 }  // namespace

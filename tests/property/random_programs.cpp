@@ -12,6 +12,7 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/machine_file.hpp"
+#include "trunnion/geometry/bspline_curve.hpp"
 #include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/plan.hpp"
 #include "trunnion/smoothing/pole_tolerance.hpp"
@@ -59,6 +60,7 @@ struct Kind {
     bool changes = false;  ///< of law, moves with TCP off
     bool arcs = false;
     bool poles = false;  ///< now and then the tool is led to the pole or closely past it
+    bool curves = false;
 };
 
 /// A walk: mostly going on in about the same direction, with corners, dense stretches, pure turns, doubled points,
@@ -99,6 +101,7 @@ class Walk {
         at_.line = static_cast<std::int32_t>(program_.moves.size()) + 1;
         program_.moves.push_back(at_);
         at_.arc = program::no_arc;
+        at_.curve_part = program::no_curve_part;
     }
 
     void step() {
@@ -111,6 +114,7 @@ class Walk {
         if (random_.chance(0.2)) tilting_ = direction(random_);
         if (kind_.changes && random_.chance(0.1)) change_law();
         const double length = scale_ * random_.log_between(0.1, 3);
+        if (kind_.curves && random_.chance(0.3) && add_curve(length)) return;
         at_.kind = random_.chance(0.06) ? MoveKind::rapid : MoveKind::feed;
         if (kind_.changes && random_.chance(0.04)) retract();
         if (!random_.chance(0.08)) at_.position_mm += length * (way_ + 0.05 * direction(random_)).normalized();
@@ -157,6 +161,7 @@ class Walk {
         away.kind = MoveKind::rapid;
         away.exact_stop = false;
         away.arc = program::no_arc;
+        away.curve_part = program::no_curve_part;
         away.law = OrientationLaw::rotary;
         constexpr double stays = std::numeric_limits<double>::quiet_NaN();
         away.rotary_rad = {stays, stays, stays};
@@ -186,6 +191,58 @@ class Walk {
         way_ = (Eigen::AngleAxisd(angle, normal) * normal.cross(arm) * (angle < 0 ? -1 : 1)).normalized();
     }
 
+    /// Some moves along a B-spline that begins where the last move ended; now and then it says nothing of the tool.
+    bool add_curve(double length) {
+        if (program_.moves.back().space != program::Space::workpiece) return false;
+        at_.kind = MoveKind::feed;
+        at_.exact_stop = false;
+        program::Curve curve;
+        curve.degree = 1 + static_cast<int>(random_.between(0, 5));
+        const int spans = 1 + static_cast<int>(random_.between(0, 6)), count = spans + curve.degree;
+        double knot = 0;
+        for (int i = 0; i < count + curve.degree + 1; ++i) {
+            curve.knots.push_back(knot);
+            if (i >= curve.degree && i < count) knot += random_.between(0.7, 1.5);
+        }
+        const bool weighted = random_.chance(0.3), turns = random_.chance(0.8),
+                   vectors = at_.law == OrientationLaw::vector;
+        Eigen::Vector3d way = way_, axis = axis_, at = program_.moves.back().position_mm;
+        std::vector<Eigen::Vector3d> orientation;
+        for (int i = 0; i < count; ++i) {
+            curve.position_mm.push_back(at);
+            if (weighted) curve.weights.push_back(random_.between(0.6, 1.6));
+            orientation.push_back(vectors ? Eigen::Vector3d(random_.between(10, 40) * axis)
+                                          : Eigen::Vector3d(words_[0], words_[1], 0));
+            way = (way + 0.5 * direction(random_)).normalized();
+            at += 0.3 * length * random_.between(0.7, 1.3) * way;
+            if (i + 1 < count) turn(std::min(0.02 * length, 0.2) * random_.between(0.2, 2));
+            axis = axis_;
+        }
+        const auto spline = [&](const std::vector<Eigen::Vector3d>& points) {
+            return geometry::BsplineCurve::make(curve.degree, curve.knots, points, curve.weights).value();
+        };
+        const auto positions = spline(curve.position_mm), orientations = spline(orientation);
+        if (turns && vectors) curve.axis = orientation;
+        for (const Eigen::Vector3d& words : orientation)
+            if (turns && !vectors) curve.rotary_rad.push_back({words[0], words[1], 0});
+        for (int k = 0; k < spans; ++k) {
+            const double from = curve.knots[static_cast<std::size_t>(curve.degree + k)],
+                         to = curve.knots[static_cast<std::size_t>(curve.degree + k + 1)];
+            at_.curve_part = static_cast<std::int32_t>(program_.curve_parts.size());
+            program_.curve_parts.push_back({static_cast<std::int32_t>(program_.curves.size()), from, to});
+            at_.position_mm = positions.evaluate(to)[0];
+            const Eigen::Vector3d there = orientations.evaluate(to)[0];
+            if (vectors)
+                axis_ = there.normalized();
+            else
+                words_ = {there[0], there[1]};
+            place();
+        }
+        program_.curves.push_back(std::move(curve));
+        way_ = way;
+        return true;
+    }
+
     Random& random_;
     const machine::Machine& machine_;
     const machine::Setup& setup_;
@@ -210,15 +267,22 @@ bool turns_back(const Program& program) {
             before = Step::Zero();
             continue;
         }
-        constexpr int parts = 16;  // of an arc
-        const int count = to.arc == program::no_arc ? 1 : parts;
+        constexpr int parts = 16;  // of an arc or curve
+        const bool curved = to.curve_part != program::no_curve_part;
+        const int count = to.arc == program::no_arc && !curved ? 1 : parts;
         Eigen::Vector3d last = from.position_mm;
-        for (int part = 1; part <= count; ++part) {
+        for (int part_number = 1; part_number <= count; ++part_number) {
             Eigen::Vector3d next = to.position_mm;
-            if (count > 1) {
+            if (curved) {
+                const program::CurvePart& part = program.curve_parts[static_cast<std::size_t>(to.curve_part)];
+                const program::Curve& curve = program.curves[static_cast<std::size_t>(part.curve)];
+                next = geometry::BsplineCurve::make(curve.degree, curve.knots, curve.position_mm, curve.weights)
+                           ->evaluate(part.from_u +
+                                      static_cast<double>(part_number) / count * (part.to_u - part.from_u))[0];
+            } else if (count > 1) {
                 const program::Arc& arc = program.arcs[static_cast<std::size_t>(to.arc)];
                 next = geometry::Helix(from.position_mm, to.position_mm, arc.centre_mm, arc.normal, arc.angle_rad)
-                           .at(static_cast<double>(part) / count);
+                           .at(static_cast<double>(part_number) / count);
             }
             Step step;
             step << next - last, 30 * (to.axis - from.axis) / count;
@@ -246,21 +310,23 @@ std::uint64_t environment(const char* name, std::uint64_t otherwise) {
 bool may_be_refused(const std::string& code, const Kind& kind) {
     const std::array<std::string, 3> codes{"PATH0005", "PATH0101", "PATH0102"};
     const std::array<std::string, 3> at_pole{"PATH0103", "PIPE0005", "FEED0004"};
+    // The walk's words after vectors are those of another branch where the pole is passed within the tolerance.
+    if (code == "PATH0124") return kind.curves && kind.changes;
     return std::find(codes.begin(), codes.end(), code) != codes.end() || code == at_pole[0] ||
            (kind.poles && std::find(at_pole.begin(), at_pole.end(), code) != at_pole.end());
 }
 
 /// Whether the program was planned (else refused, as it may be).
 bool plan_and_check(std::uint64_t seed, const machine::Machine& machine, bool all_kinds,
-                    smoothing::Rounding rounding = smoothing::Rounding::smooth) {
+                    smoothing::Rounding rounding = smoothing::Rounding::smooth, bool curves = false) {
     Random random(seed);
-    Kind kind;
+    Kind kind{.curves = curves};
     kind.vectors = random.chance(0.5);
     kind.returns = random.chance(0.2);
     if (all_kinds) {
         kind.changes = random.chance(0.5);
         kind.arcs = random.chance(0.5);
-        kind.poles = random.chance(0.3);
+        kind.poles = random.chance(0.3) && !curves;
     }
     machine::Setup setup;
     setup.workpiece.origin_mm = {random.between(-50, 50), random.between(-50, 50), random.between(-20, 80)};
@@ -327,13 +393,13 @@ machine::Machine wide(const char* name) {
 }
 
 void plan_and_check_all(const std::vector<machine::Machine>& machines, bool all_kinds, std::uint64_t count,
-                        smoothing::Rounding rounding = smoothing::Rounding::smooth) {
+                        smoothing::Rounding rounding = smoothing::Rounding::smooth, bool curves = false) {
     const std::uint64_t first = environment("TRUNNION_SEED", 1);
     count = environment("TRUNNION_PROGRAMS", count);
     fmt::print("seeds {} … {}\n", first, first + count - 1);
     std::uint64_t planned = 0;
     for (std::uint64_t seed = first; seed < first + count; ++seed)
-        planned += plan_and_check(seed, machines[seed % machines.size()], all_kinds, rounding) ? 1 : 0;
+        planned += plan_and_check(seed, machines[seed % machines.size()], all_kinds, rounding, curves) ? 1 : 0;
     EXPECT_GE(2 * planned, count) << "too many are refused for the test to mean anything";
 }
 
@@ -348,6 +414,10 @@ std::vector<machine::Machine> machines_of_every_kind() {
 
 TEST(RandomPrograms, of_every_kind_on_machines_of_every_kind) {
     plan_and_check_all(machines_of_every_kind(), true, 60);
+}
+
+TEST(RandomPrograms, with_curves_on_machines_of_every_kind) {
+    plan_and_check_all(machines_of_every_kind(), true, 40, smoothing::Rounding::smooth, true);
 }
 
 TEST(RandomPrograms, rounded_corner_by_corner) {

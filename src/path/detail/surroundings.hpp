@@ -11,6 +11,8 @@
 #include "trunnion/path/run.hpp"
 #include "trunnion/program/program.hpp"
 
+#include "detail/program_curves.hpp"
+
 namespace trunnion::path::detail {
 
 /// Longer moves, and coordinates farther from zero, are slips of the pen: they would be planned for hours. Rotary
@@ -30,12 +32,15 @@ struct Surrounding {
 class Surroundings {
   public:
     /// Errors: PATH0001 no motion, PATH0010 a coordinate beyond 10 km or not finite, PATH0006 rotary words on a machine
-    /// without such an axis.
+    /// without such an axis, and those of ProgramCurves::check.
     static Result<Surroundings> make(const program::Program& program, const machine::Machine& machine,
                                      const machine::Setup& setup);
 
     /// Errors: PATH0002 tool not in the setup, PATH0003 work offset not in the setup, and those of Kinematics::make.
     Result<Surrounding> of(const program::Move& move);
+
+    /// The part of a curve that a move follows, as written.
+    CurvePiece curve_of(const program::Move& move) { return curves_.part(move); }
 
     /// Index in Move::rotary_rad of the words for a rotary axis of the machine; −1: the program never names it.
     int word_of_axis(int rotary) const { return word_of_axis_[static_cast<std::size_t>(rotary)]; }
@@ -47,7 +52,7 @@ class Surroundings {
 
   private:
     Surroundings(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup)
-        : program_(&program), machine_(&machine), setup_(&setup) {}
+        : program_(&program), machine_(&machine), setup_(&setup), curves_(program) {}
     Result<void> find_words();
     Result<const machine::Tool*> tool_of(const program::Move& move);
     Result<const machine::Frame*> offset_of(const program::Move& move);
@@ -64,6 +69,7 @@ class Surroundings {
     std::deque<machine::Frame> no_offset_{1};     // in a deque: it stays where it is
     std::string borrowed_tool_;                   // the name that uses [tool]
     std::vector<Diagnostic> diagnostics_;
+    ProgramCurves curves_;
 };
 
 /// A diagnostic that points to a move.

@@ -18,16 +18,35 @@ struct ToolPose {
     Eigen::Vector3d tip_mm = Eigen::Vector3d::Zero(), axis = Eigen::Vector3d::UnitZ();
 };
 
-/// The poses of one move as functions of the share w ∈ [0, 1] of its length.
+/// The poses of one move as functions of w ∈ [0, 1]: the share of its length, along a curve the share of u.
 class PosesBetween {
   public:
     PosesBetween(const ToolPose& from, const ToolPose& to, std::optional<geometry::Helix> arc)
         : from_mm_(from.tip_mm), to_(to), circle_(from.axis, to.axis), arc_(std::move(arc)) {}
+    PosesBetween(const ToolPose& from, const ToolPose& to, const CurvePiece& curve)
+        : from_mm_(from.tip_mm),
+          to_(to),
+          circle_(curve.orientation ? to.axis : from.axis, to.axis),  // one it says nothing of is not asked for
+          curve_(curve) {}
 
-    double turn_rad() const { return circle_.angle_rad(); }
-    const std::optional<geometry::Helix>& arc() const { return arc_; }
-    Eigen::Vector3d axis_at(double w) const { return w == 1 ? to_.axis : circle_.at(w); }
+    double turn_rad() const { return says_axis() ? curve_->orientation->polygon_turn() : circle_.angle_rad(); }
+    double length_mm() const {
+        if (curve_) return curve_->position.polygon_length();
+        return arc_ ? arc_->length() : (to_.tip_mm - from_mm_).norm();
+    }
+    bool says_axis() const { return curve_ && curve_->orientation; }
+    /// So many that what lies between can be followed from part to part.
+    double parts_to_look_at() const {
+        constexpr double look_every_rad = 5 * degree, least_of_curve = 4;
+        if (arc_) return std::ceil(std::abs(arc_->angle_rad()) / look_every_rad);
+        return curve_ ? std::max(least_of_curve, std::ceil(turn_rad() / look_every_rad)) : 1;
+    }
+    Eigen::Vector3d axis_at(double w) const {
+        if (w == 1) return to_.axis;
+        return says_axis() ? curve_->orientation->at(w).normalized() : circle_.at(w);
+    }
     Eigen::Vector3d tip_at(double w) const {
+        if (curve_) return curve_->position.at(w);
         return arc_ ? arc_->at(w) : Eigen::Vector3d(from_mm_ + w * (to_.tip_mm - from_mm_));
     }
     ToolPose at(double w) const { return {tip_at(w), axis_at(w)}; }
@@ -37,6 +56,7 @@ class PosesBetween {
     ToolPose to_;
     geometry::GreatCircle circle_;
     std::optional<geometry::Helix> arc_;
+    std::optional<CurvePiece> curve_;
 };
 
 /// The rotary axes on a way from pose to pose.
@@ -54,7 +74,7 @@ class VectorWay {
     /// The pose at the end of a move that begins with the tip at `tip_before_mm`.
     Result<ToolPose> end_of(std::size_t move, const Eigen::Vector3d& tip_before_mm) const;
 
-    /// Errors: PATH0005 opposite tool axes.
+    /// Errors: PATH0005 opposite tool axes, where nothing says how to turn.
     Result<PosesBetween> between(std::size_t move, const ToolPose& from, const ToolPose& to) const;
 
     /// The solutions at a move's end.
@@ -76,10 +96,10 @@ class VectorWay {
 
   private:
     static constexpr double look_every_rad = 2 * degree;
-    static constexpr double look_every_of_arc_rad = 5 * degree;
     static constexpr double shortest_step = 1e-13;  // of a move
     static constexpr double opposite_rad = 3.14159265;
 
+    Result<PosesBetween> along_curve(std::size_t move, const ToolPose& from, const ToolPose& to) const;
     Diagnostic lost(std::size_t move, const Lost& lost) const;
     Diagnostic half_a_turn(std::size_t move) const;
     template <class SolutionsAt>
@@ -123,7 +143,8 @@ Result<void> VectorWay::go(std::size_t move, const ToolPose& from, const ToolPos
     // Short turns well off the pole, the rule in dense programs: nothing can happen between.
     constexpr double well_off = 10, short_turn_rad = 0.01;
     const double turn = (to.axis - from.axis).norm();
-    if (to_move.arc == program::no_arc && turn < short_turn_rad && !at_end.degenerate &&
+    const bool straight = to_move.arc == program::no_arc && to_move.curve_part == program::no_curve_part;
+    if (straight && turn < short_turn_rad && !at_end.degenerate &&
         kinematics.lever(along.at.rotary_rad) > well_off * turn) {
         const auto next = solution_after(kinematics, at_end, along.at, look_every_rad / 2);
         if (next->branch == along.at.branch &&
@@ -135,7 +156,7 @@ Result<void> VectorWay::go(std::size_t move, const ToolPose& from, const ToolPos
     const auto poses = between(move, from, to);
     if (!poses) return fail(poses.error());
     const auto solutions_at = [&](double w) { return kinematics.rotary_for(poses->axis_at(w)); };
-    const double parts = poses->arc() ? std::ceil(std::abs(poses->arc()->angle_rad()) / look_every_of_arc_rad) : 1;
+    const double parts = poses->parts_to_look_at();
     if (!at_end.degenerate && solutions_at(0).degenerate) {
         const auto side = leave_pole(kinematics, solutions_at, along);
         if (!side) return fail(out_of_reach(move));

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "trunnion/interpolation/interpolator.hpp"
 #include "trunnion/pipeline/plan.hpp"
 
 #include "detail/element.hpp"
@@ -31,7 +32,8 @@ class MotionStage {
     void perform(const feed::StretchPlan& plan);
     void events_before_block(std::size_t block);
     void events_of_stretch(const motion::FeedProfile& profile, const StretchTable& table);
-    void sample(const motion::FeedProfile& profile, const StretchTable& table);
+    SetpointLimit limit_at(const feed::StretchPlan& plan, const interpolation::Instant& now) const;
+    void sample(const feed::StretchPlan& plan, const StretchTable& table);
     void hold_until(double time_s);
     void emit(const motion::Setpoint& row);
     const path::AxisPath& path() const { return *stretch_.stretch->axis_path; }

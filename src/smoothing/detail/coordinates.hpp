@@ -23,6 +23,11 @@ inline bool has_vectors(const path::Run& run) {
     return run.law == path::OrientationLaw::vector && run.space == path::Space::workpiece;
 }
 
+/// The position does not go straight.
+inline bool is_round(const path::Block& block) {
+    return block.arc != program::no_arc || block.curve != path::no_curve;
+}
+
 /// Programmed vertices first … last of a run.
 struct VertexRange {
     std::size_t first = 0, last = 0;

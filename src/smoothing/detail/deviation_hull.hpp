@@ -18,7 +18,7 @@ void widen(Extent& a, const Extent& b);
 
 /// Bounds the deviation of polynomials from straight blocks by the Bernstein hull of the difference, halved where the
 /// hull's slack matters beside the largest deviation that was seen so far. Law vector: the programmed path is the
-/// slerp; the chord's distance from it is added, and that of arcs from their chords.
+/// slerp; the chord's distance from it is added, and that of arcs and curves from their chords.
 class DeviationHull {
   public:
     DeviationHull(const path::Run& run, const Measure& measure, const Polyline& line);
@@ -50,8 +50,8 @@ class DeviationHull {
     int lever_axis_;
     bool has_frames_;
     double sideways_ = 0;  // a slerp from its chord, as an angle
-    double chord_error_mm_ = 0;
-    Extent seen_;  // deviations that do occur
+    Extent chord_;         // arcs and curves from their chords
+    Extent seen_;          // deviations that do occur
 };
 
 }  // namespace trunnion::smoothing

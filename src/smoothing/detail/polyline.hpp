@@ -8,24 +8,27 @@
 namespace trunnion::smoothing {
 
 /// The programmed path as straight blocks in Coordinates. Blocks that turn a vector far are divided along the great
-/// circle and arcs along themselves, so vertices are the programmed ones and some between. The curve kernel keeps
-/// circles (its lower moments vanish): inside, an arc as chords becomes that arc again, to a few chord errors.
+/// circle, arcs and curves along themselves, so vertices are the programmed ones and some between. The curve kernel
+/// keeps circles (its lower moments vanish): inside, an arc or a curve as chords becomes itself again, to a few chord
+/// errors.
 struct Polyline {
     std::vector<Coordinates> vertex;
     std::vector<double> gap_mm;            ///< of block i, vertex i → i + 1
     std::vector<Coordinates> slope;        ///< dP/dp on block i
     std::vector<double> lever;             ///< at every vertex: Kinematics::lever; law vector: 1
     std::vector<std::int32_t> programmed;  ///< the run's vertex, −1: lies inside a block
-    std::vector<double> widest_mm;         ///< of a curve bump at every vertex, where it lies inside an arc; else ∞
+    std::vector<double> widest_mm;         ///< of a curve bump at a vertex inside an arc or curve; else ∞
     double largest_turn_rad = 0;           ///< of a vector within one block of this polyline
-    double chord_error_mm = 0;             ///< largest distance of an arc from its chords, at equal p
+    double chord_error_mm = 0;             ///< largest distance of an arc or curve from its chords, at equal p
+    double chord_turn_rad = 0;             ///< the same of a curve's orientation, the turn of a vector included
     std::size_t blocks() const { return gap_mm.size(); }
 };
 
 /// How finely blocks are divided.
 struct Division {
     double turn_rad = 0;  ///< of a vector within a part
-    double chord_mm = 0;  ///< of an arc from its chord, and by which its radius may shrink
+    double chord_mm = 0;  ///< of an arc or curve from its chord, and by which it may be displaced inside
+    double bend_rad = 0;  ///< the same of a curve's orientation
 };
 
 /// Precondition: no doubled points in the run.

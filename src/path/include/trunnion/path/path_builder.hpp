@@ -30,7 +30,10 @@ struct Surrounding;
 /// Errors: PATH0001 no motion, PATH0002 tool not in the setup, PATH0003 work offset not in the setup, PATH0006 rotary
 /// words on a machine without such an axis, PATH0008 an arc in untransformed coordinates where the linear axes do not
 /// stand at right angles, PATH0009 an arc that begins on its own axis, PATH0010 a move beyond or longer than 10 km, or
-/// not finite; and those of Kinematics::make.
+/// not finite, PATH0121 … PATH0123 and PATH0125 a curve or a part of it that cannot be followed (PATH0121 no such part
+/// or curve, PATH0122 the curve is none, PATH0123 the part is empty, outside or goes over a knot, PATH0125 a tool axis
+/// that vanishes or is given without TCP), PATH0124 a part that does not begin where the move before ends, or end where
+/// its move does, within 1 µm and the same at the reference height; and those of Kinematics::make.
 class PathBuilder {
   public:
     static Result<PathBuilder> make(const program::Program& program, const machine::Machine& machine,
@@ -46,13 +49,23 @@ class PathBuilder {
     const std::vector<Diagnostic>& diagnostics() const;
 
   private:
+    /// Where the positions of a move lie in its run: map·x + shift.
+    struct Placement {
+        Eigen::Matrix3d map = Eigen::Matrix3d::Identity();
+        Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();
+    };
+
     PathBuilder(const program::Program& program, const machine::Machine& machine,
                 std::span<const program::RotaryStand> stands, detail::Surroundings surroundings);
     Result<void> begin();
     Result<void> begin_run(Run& run);
     Result<void> add_move(Run& run);
     Result<PathCoordinates> coordinates_of(std::size_t move, const detail::Surrounding& in) const;
+    Placement placement_of(const program::Move& move, const detail::Surrounding& in) const;
     Result<program::Arc> arc_of(const program::Move& move, const detail::Surrounding& in) const;
+    Result<CurvePiece> curve_of(std::size_t move, const PathCoordinates& to, const detail::Surrounding& in) const;
+    geometry::BezierPiece machine_axes_of(const geometry::BezierPiece& words, const PathCoordinates& from) const;
+    Result<Block> block_to(std::size_t move, const PathCoordinates& to, Run& run);
     Eigen::Vector3d tool_axis() const;
     machine::AxisPosition here() const;
     void stand_where_it_leaves_the_pole(Run& run) const;

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "trunnion/geometry/bezier_piece.hpp"
 #include "trunnion/geometry/helix.hpp"
 #include "trunnion/machine/kinematics.hpp"
 #include "trunnion/path/pole_passage.hpp"
@@ -28,12 +30,23 @@ struct PathCoordinates {
     std::array<double, 3> orientation{};
 };
 
+/// The part of a program's curve that one block follows, over v ∈ [0, 1], with the block's vertices at its ends.
+struct CurvePiece {
+    geometry::BezierPiece position;
+    /// Law vector: the direction of the tool axis, of any length. Else: the rotary axes' positions, rad. None: from
+    /// vertex to vertex in proportion to v, vectors on the great circle.
+    std::optional<geometry::BezierPiece> orientation;
+};
+
+inline constexpr std::int32_t no_curve = -1;
+
 /// One programmed block of a run, from vertex i to vertex i + 1.
 struct Block {
-    double length_mm = 0;  ///< dp: √(|Δtip|² + (ρ Δω)²), conventions.md
+    double length_mm = 0;  ///< dp: √(|Δtip|² + (ρ Δω)²), conventions.md; along a curve: CurveWay
     Feed feed;
     std::int32_t line = 0;
-    std::int32_t arc = program::no_arc;  ///< index in Run::arcs; no_arc: straight
+    std::int32_t arc = program::no_arc;  ///< index in Run::arcs; no_arc: no arc
+    std::int32_t curve = no_curve;       ///< index in Run::curves; neither arc nor curve: straight
 };
 
 /// Why motion stands still at the end of a run or stretch.
@@ -61,6 +74,7 @@ struct Run {
     std::vector<PolePassage> passages;            ///< ascending: where the rotary axes are to go through the pole
     std::vector<Block> blocks;
     std::vector<program::Arc> arcs;  ///< in the frame of the vertices' positions
+    std::vector<CurvePiece> curves;  ///< in the coordinates of the vertices
     std::vector<RunEvent> events;
     StopCause stop = StopCause::end;  ///< what the standstill at its end is for
     double controlled_height_mm = 0;  ///< of the tool in use: the controlled point lies so far up the axis from the tip

@@ -33,7 +33,8 @@ struct DeviationBound {
     double height_mm = 0;  ///< of the point at the flank height
 };
 
-/// Tool path from rest to rest as geometry over the path parameter p, from 0 at its start. C³ inside. dp/du > 0.
+/// Tool path from rest to rest as geometry over the path parameter p, from 0 at its start. C³ inside; along curves of
+/// the program that are followed exactly C², the third derivative jumps at their knots. dp/du > 0.
 struct ToolPath {
     Space space = Space::workpiece;
     OrientationLaw law = OrientationLaw::vector;

@@ -48,10 +48,14 @@ bool follows_exactly(const SmoothingOptions& options);
 ///
 ///     c(p) = P(p) + Σᵢ Δᵢ·wᵢ·g((p − pᵢ)/wᵢ),   Δᵢ = P′(pᵢ+) − P′(pᵢ−),
 ///
-/// with g of kernel.hpp. Arcs enter P as chords within a fortieth of the tip tolerance; the curve kernel keeps circles,
+/// with g of kernel.hpp. Curves of the program enter P as chords too, divided so that position and orientation are
+/// certified to be within a fortieth of the tolerances. Arcs enter P as chords within a fortieth of the tip tolerance; the curve kernel keeps circles,
 /// so that away from its ends an arc comes out as itself, a chord's error at most inside. The sum is the deviation at
 /// equal p, and c is C³ whatever the widths wᵢ are. Widths come from the data by sums and minima alone, so that
 /// neighbouring passes are smoothed alike. The shipped pieces are septic Hermite interpolants of c.
+///
+/// A stretch of nothing but parts of curves that meet with the same tangent and curvature is not rounded: septic pieces
+/// by p follow it to 1e-8 mm and 1e-10 rad, and the third derivative jumps where the curve's does.
 ///
 /// Guarantees, for Rounding::smooth:
 /// - both tolerances hold along the whole stretch, at equal p, by ToolPath::bound: Bernstein hulls of the shipped
@@ -78,7 +82,8 @@ bool follows_exactly(const SmoothingOptions& options);
 ///
 /// For Rounding::none, rapids, and runs of one block: positions are exact, orientations too (law vector: to 1e-10 rad),
 /// with an exact stop (StopCause::corner) at every vertex where the tangent of position or orientation changes at all,
-/// and at both ends of an arc, where curvature does. Arcs are exact to 3e-11 of their radius.
+/// and at both ends of an arc, where curvature does. Arcs are exact to 3e-11 of their radius, curves to 1e-8 mm; where a
+/// curve goes on with the same tangent and curvature there is no stop.
 ///
 /// Space machine: coordinates are the machine axes. The tip's deviation in the workpiece is bounded by that of the
 /// linear axes plus that of the rotary axes times the tip's largest distance from a rotary axis.

@@ -40,7 +40,7 @@ struct ProgrammedPose {
     double controlled_height_mm = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// How far chords may be from arcs and from moves that are linear in the machine axes: the tip and the point
+/// How far chords may be from arcs, curves and from moves that are linear in the machine axes: the tip and the point
 /// `chord_height_mm` above.
 inline constexpr double chord_tolerance_mm = 1e-4;
 inline constexpr double chord_height_mm = 30.0;
@@ -49,8 +49,8 @@ inline constexpr double stand_axis_tolerance_rad = 2e-6;
 /// So far the axes of a stand may be from literal words.
 inline constexpr double stand_word_tolerance_rad = 1e-9;
 
-/// The poses that a program asks for, in order: one a move, and as many chords as it takes for arcs and for moves in
-/// machine and untransformed space.
+/// The poses that a program asks for, in order: one a move, and as many chords as it takes for arcs, curves and for
+/// moves in machine and untransformed space.
 ///
 /// `stands`: where the rotary axes stand at the end of every move, or none. They are not taken on trust: they must be
 /// the program's words under law rotary, and bring the programmed tool axis under law vector.
@@ -69,8 +69,10 @@ inline constexpr double stand_word_tolerance_rad = 1e-9;
 /// VER0104 work offset not in the setup, VER0105 opposite tool axes in consecutive poses, VER0106 a move by rotary axes
 /// or in machine coordinates from or to an unknown rotary position, VER0107 the linear axes do not span space, VER0108
 /// a number that is not finite or an axis of length 0, VER0109 more than 10⁷ poses, VER0110 stands that are not those
-/// of the program, VER0111 an arc without radius or direction, or that does not lead to the end of its move.
-/// Cost: about 0.2 µs a straight move, 1 µs a chord.
+/// of the program, VER0111 an arc without radius or direction, or that does not lead to the end of its move, VER0112 a
+/// part of a curve that does not exist, is not one of a sound curve within one knot interval, does not lead from the
+/// end of the move before to that of its own within 1 µm (and the same at `chord_height_mm`), or says a direction
+/// without TCP. Cost: about 0.2 µs a straight move, 1 µs a chord.
 Result<std::vector<ProgrammedPose>> programmed_poses(const program::Program& program, const machine::Machine& machine,
                                                      const machine::Setup& setup,
                                                      std::span<const program::RotaryStand> stands = {});
