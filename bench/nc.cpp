@@ -62,8 +62,52 @@ void reading_sinumerik(benchmark::State& state, bool vectors) {
     reading(state, text, "spiral.mpf");
 }
 
+/// GOTO/x,y,z,i,j,k on the same spiral.
+void reading_apt(benchmark::State& state) {
+    constexpr int blocks = 100'000;
+    std::string text = "UNITS/MM\nMULTAX/ON\nFEDRAT/3000,MMPM\n";
+    for (int i = 0; i < blocks; ++i) {
+        const double t = 1e-3 * i, a = 0.2 * std::sin(0.1 * t);
+        text += fmt::format("GOTO/{:.4f},{:.4f},{:.4f},{:.7f},0.0000000,{:.7f}\n", t * std::cos(t), t * std::sin(t),
+                            -0.1 * t, std::sin(a), std::cos(a));
+    }
+    reading(state, text, "spiral.cls");
+}
+
+/// One long curve of BSPLINE with a second one.
+void reading_bspline(benchmark::State& state) {
+    constexpr int blocks = 100'000;
+    std::string text = "TRAORI\nG54 G64 G90 G71 F3000\nORICURVE\nG0 X0 Y0 Z0 XH=0 YH=0 ZH=50\nBSPLINE SD=3\n";
+    for (int i = 1; i <= blocks; ++i) {
+        const double t = 1e-3 * i, x = t * std::cos(t), y = t * std::sin(t), z = -0.1 * t;
+        text += fmt::format("X{:.4f} Y{:.4f} Z{:.4f} XH={:.4f} YH={:.4f} ZH={:.4f} PL={}\n", x, y, z, x + t / 10, y,
+                            z + 50, i == 1 || i == blocks ? 0 : 1);
+    }
+    reading(state, text + "M30\n", "spline.mpf");
+}
+
+/// A Klartext program of plain blocks on a spiral, with rotary words or with tool vectors.
+void reading_klartext(benchmark::State& state, bool vectors) {
+    constexpr int blocks = 100'000;
+    std::string text = "0 BEGIN PGM SPIRAL MM\n1 L X+0 Y+0 Z+0 A+0 C+0 R0 FMAX M128\n2 L F3000\n";
+    for (int i = 0; i < blocks; ++i) {
+        const double t = 1e-3 * i;
+        const double a = 0.2 * std::sin(0.1 * t);
+        text += fmt::format("{} {} X{:+.4f} Y{:+.4f} Z{:+.4f} ", i + 3, vectors ? "LN" : "L", t * std::cos(t),
+                            t * std::sin(t), -0.1 * t);
+        text += vectors ? fmt::format("TX{:+.6f} TY+0 TZ{:+.6f}\n", std::sin(a), std::cos(a))
+                        : fmt::format("A{:+.4f} C{:+.4f}\n", 57.3 * a, 10 * t);
+    }
+    text += "END PGM SPIRAL MM\n";
+    reading(state, text, "spiral.h");
+}
+
+BENCHMARK_CAPTURE(reading_klartext, rotary_words, false);
+BENCHMARK_CAPTURE(reading_klartext, vectors, true);
 BENCHMARK_CAPTURE(reading_sinumerik, rotary_words, false);
 BENCHMARK_CAPTURE(reading_sinumerik, vectors, true);
+BENCHMARK(reading_bspline);
+BENCHMARK(reading_apt);
 BENCHMARK_CAPTURE(reading_file, sine_10k, "cases/sine-10k.ngc");
 BENCHMARK_CAPTURE(reading_file, impeller, "nc/linuxcnc/impeller-7bl-xyzac.ngc");
 BENCHMARK_CAPTURE(reading_file, finition_creo, "nc/apt/finition_creo.ncl");

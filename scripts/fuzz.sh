@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds a reader with mutated input: scripts/fuzz.sh READER SECONDS [libFuzzer option…]
-# READER: apt, rs274, sinumerik, machine_file, setup_file, setpoints. What it learns stays in build/fuzz/corpus/READER, so that
+# READER: apt, rs274, sinumerik, heidenhain, fanuc, machine_file, setup_file, controller_file, setpoints. What it learns stays in build/fuzz/corpus/READER, so that
 # a second run goes on. A find stops it and is kept in build/fuzz/finds/READER; exit status 0 where there is none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -29,8 +29,11 @@ case $reader in
          seed "$folder" '*.cls' -o -name '*.apt' -o -name '*.ncl' -o -name '*.aptsource'; done ;;
   rs274) for folder in tests/reject examples "$shared/data/cases" "$shared/data/nc/linuxcnc"; do seed "$folder" '*.ngc'; done ;;
   sinumerik) for folder in tests/reject examples "$shared/data/nc/siemens"; do seed "$folder" '*.mpf' -o -name '*.spf' -o -name '*.nc'; done ;;
+  heidenhain) seed tests/reject '*.h'; longest=2048 ;;
+  fanuc) for folder in tests/reject "$shared/data/nc/fanuc"; do seed "$folder" '*.nc'; done ;;
   machine_file) seed tests/reject '*.toml'; seed data/machines '*.toml' ;;
   setup_file) seed tests/reject '*setup*.toml'; seed examples '*.toml' ;;
+  controller_file) seed tests/reject 'controller_*.toml'; seed data/controllers '*.toml'; seed examples '*control*.toml' ;;
   setpoints) seed "$shared/data/cases" '*.csv'; longest=2048 ;;
 esac
 for kept in "tests/fuzz/seeds/$reader" "tests/fuzz/finds/$reader"; do seed "$kept" '*'; done

@@ -68,17 +68,17 @@ constexpr Rule rules[] = {
     {"INDIRV", &AptReader::initial_direction},
     {"TLON,GOFWD", &AptReader::go_forward},
     {"GOFWD", &AptReader::refuse_curve},
-    {"NURBS", &AptReader::refuse_curve},
-    {"KNOT", &AptReader::refuse_curve},
-    {"CNTRL", &AptReader::refuse_curve},
+    {"NURBS", &AptReader::nurbs},
+    {"KNOT", &AptReader::knots},
+    {"CNTRL", &AptReader::control_point},
     {"SPLINE", &AptReader::refuse_curve},
-    {"GODLTA", &AptReader::refuse_motion},
+    {"GODLTA", &AptReader::go_by},
     {"GOHOME", &AptReader::refuse_motion},
     {"RETRCT", &AptReader::refuse_motion},
     {"RETURN", &AptReader::refuse_motion},
     {"TRANS", &AptReader::refuse_motion},
     {"ORIGIN", &AptReader::refuse_motion},
-    {"ROTABL", &AptReader::refuse_motion},
+    {"ROTABL", &AptReader::rotary_table},
     {"ROTHED", &AptReader::refuse_motion},
     {"ROTATE", &AptReader::refuse_motion},
     {"HEAD", &AptReader::refuse_motion},
@@ -89,6 +89,12 @@ constexpr Rule rules[] = {
     {"TRACUT", &AptReader::refuse_motion},
     {"THREAD", &AptReader::refuse_motion},
 };
+
+/// BEGIN NURBS_SIEMENS(…); as CATIA writes.
+bool starts_catia_curve(std::string_view major) noexcept {
+    constexpr std::string_view start = "BEGIN NURBS";
+    return reads(major.substr(0, start.size()), start);
+}
 
 const Rule* rule_for(std::string_view major) noexcept {
     for (const Rule& rule : rules)
@@ -117,13 +123,18 @@ Result<program::Program> AptReader::read() {
 bool AptReader::statement() {
     if (scanner_.major().empty()) return bare_pose();
     words_seen_ = true;
+    if (curve_ && curve_->is_catia) return catia_line();
+    if (starts_catia_curve(scanner_.major())) return begin_catia_curve();
     const Rule* const rule = rule_for(scanner_.major());
+    const bool goes_on = rule && (rule->read == &AptReader::knots || rule->read == &AptReader::control_point);
+    if (curve_ && !goes_on && !end_curve()) return false;
     if (circle_ && circle_->points > 0 && rule != rule_for("GOTO")) circle_.reset();
     if (!rule) return refuse("NC0204", "unknown statement: it might change motion", "CL data is read, not APT source");
     return (this->*rule->read)();
 }
 
 Result<program::Program> AptReader::done() {
+    if (!end_curve()) return fail(findings_.take_error());
     if (circle_ && circle_->points == 0) {
         refuse("NC0415", "the program ends where a circle waits for the GOTO that ends it");
         return fail(findings_.take_error());
@@ -163,6 +174,39 @@ bool AptReader::load_tool() {
     if (!index) return refuse("NC0008", "more tools than are read");
     tool_ = *index;
     return event(EventKind::tool, true);
+}
+
+/// SPINDL/500,RPM and SPINDL/RPM,500; a speed in other units, or SPINDL/ON, leaves open how fast it turns.
+bool AptReader::spindle() {
+    turns_per_s_.reset();
+    std::optional<double> number;
+    bool per_minute = true;
+    for (std::string_view list = scanner_.arguments(); !list.empty();) {
+        const std::string_view item = take_item(list);
+        if (const auto value = number_of(item); value && !number) number = value;
+        per_minute = per_minute && !is_word(item, {"SFM", "SMM", "SURF", "OFF"});
+    }
+    if (number && *number > 0 && per_minute) turns_per_s_ = *number / 60;
+    return event(EventKind::spindle, true);
+}
+
+/// ROTABL/0: a table that stays where it is, as every other one is refused.
+bool AptReader::rotary_table() {
+    std::optional<double> angle;
+    for (std::string_view list = scanner_.arguments(); !list.empty();) {
+        const std::string_view item = take_item(list);
+        const auto value = number_of(item);
+        const bool known = item.empty() || is_word(item, {"TABLE", "ATABLE", "BTABLE", "CTABLE", "ATANGL", "ABS",
+                                                          "INCR", "ROTREF", "CLW", "CCLW", "NEXT", "PREV"});
+        if (value && !angle)
+            angle = value;
+        else if (!known)
+            return refuse_motion();
+    }
+    if (angle != 0.0)
+        return refuse("NC0404", "a rotary table that turns is not supported", "post tool vectors, with MULTAX/ON");
+    findings_.ignored(scanner_.spot(), "ROTABL");
+    return true;
 }
 
 bool AptReader::delay() {

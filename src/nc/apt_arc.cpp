@@ -62,8 +62,8 @@ bool AptReader::circle() {
     return wait_for_end(true);
 }
 
-/// MOVARC/x,y,z,i,j,k,r[,ANGLE,degrees]: one GOTO ends it. Right-hand sense about i,j,k; where only the other sense
-/// fits the angle, that one.
+/// MOVARC/x,y,z,i,j,k,r[,ANGLE,degrees] or [,TIMES,turns]: one GOTO ends it. Right-hand sense about i,j,k; where only
+/// the other sense fits the angle, that one.
 bool AptReader::arc_ahead() {
     return wait_for_end(false);
 }
@@ -80,15 +80,16 @@ bool AptReader::wait_for_end(bool is_circle) {
                            (given.count == 3 && is_word(item, {"AXIS"})) ||
                            (given.count == 6 && is_word(item, {"RADIUS"}));
         if (label) continue;
-        const bool angle = given.count >= circle_numbers && !circle.sweep_rad && is_word(item, {"ANGLE"});
+        const bool says_more = given.count >= circle_numbers && !circle.sweep_rad;
+        const bool angle = says_more && is_word(item, {"ANGLE", "TIMES"});
         const auto value = number_of(angle ? take_item(list) : item);
         if (!value && !angle && !item.empty() && is_letter(item.front()))
             return findings_.refuse("NC0412", scanner_.spot(item), "not understood in a circle", item,
-                                    "ANGLE is; let the CAM system put out points instead");
+                                    "ANGLE and TIMES are; let the CAM system put out points instead");
         if (!value)
             return findings_.refuse("NC0201", scanner_.spot(item), "no finite number where one is expected", item);
         if (angle)
-            circle.sweep_rad = *value * degree;
+            circle.sweep_rad = *value * (is_word(item, {"TIMES"}) ? whole_turn : degree);
         else if (given.count == most_numbers)
             return refuse("NC0401", "too many numbers");
         else
@@ -96,11 +97,11 @@ bool AptReader::wait_for_end(bool is_circle) {
     }
     if (given.count < circle_numbers || (!is_circle && given.count > circle_numbers))
         return refuse("NC0401", fmt::format("{} numbers, a circle has centre, normal and radius", given.count));
-    circle.centre_mm = given.triple(0) * unit_mm_;
+    circle.centre_mm = point_mm(given.triple(0));
     circle.radius_mm = given.value[6] * unit_mm_;
     const double length = given.triple(3).norm();
     if (!(length > smallest_vector) || !std::isfinite(length)) return refuse("NC0402", "a normal without direction");
-    circle.normal = given.triple(3) / length;
+    circle.normal = direction(given.triple(3) / length);
     if (!circle.centre_mm.allFinite() || !std::isfinite(circle.radius_mm))
         return refuse("NC0201", "the circle is not finite in mm");
     circle.by_points = is_circle && given.count == circle_numbers && !circle.sweep_rad;
@@ -183,7 +184,7 @@ bool AptReader::initial_direction() {
     if (vector.count != 3) return refuse("NC0401", fmt::format("{} numbers, a direction has 3", vector.count));
     const double length = vector.triple(0).norm();
     if (!(length > smallest_vector) || !std::isfinite(length)) return refuse("NC0402", "a vector without direction");
-    direction_ = vector.triple(0) / length;
+    direction_ = direction(vector.triple(0) / length);
     return true;
 }
 
@@ -214,14 +215,14 @@ bool AptReader::go_forward() {
     if (!understood || !takes("LINE") || !takes_numbers(6, line) || at != tokens.size())
         return refuse("NC0417", "APT source of this form is not read",
                       "TLON,GOFWD/(CIRCLE/x,y,z,r),ON,(LINE/x,y,z,x,y,z) is; or let the CAM system put out points");
-    const Vector3d normal = canonical ? circle.triple(3) : Vector3d(Vector3d::UnitZ());
+    const Vector3d normal = direction(canonical ? circle.triple(3) : Vector3d(Vector3d::UnitZ()));
     const double length = normal.norm();
     if (!(length > smallest_vector) || !std::isfinite(length)) return refuse("NC0402", "a normal without direction");
-    const Vector3d centre_mm = circle.triple(0) * unit_mm_, off_centre = line.triple(0) * unit_mm_ - centre_mm;
+    const Vector3d centre_mm = point_mm(circle.triple(0)), off_centre = point_mm(line.triple(0)) - centre_mm;
     const double radius_mm = circle.value[circle.count - 1] * unit_mm_;
     if (!(off_centre.cross(normal / length).norm() <= allowed_mm(radius_mm)))
         return refuse("NC0417", "the line at which an arc ends does not start at its centre");
-    return add_driven_arc(centre_mm, normal / length, radius_mm, line.triple(3) * unit_mm_, second_crossing);
+    return add_driven_arc(centre_mm, normal / length, radius_mm, point_mm(line.triple(3)), second_crossing);
 }
 
 bool AptReader::add_driven_arc(const Vector3d& centre_mm, const Vector3d& normal, double radius_mm,

@@ -9,6 +9,7 @@
 
 #include "detail/dialects.hpp"
 #include "detail/findings.hpp"
+#include "detail/gzip.hpp"
 
 namespace trunnion::nc {
 
@@ -114,6 +115,13 @@ Result<program::Program> read_program_file(const std::filesystem::path& file, co
     std::string text(size, '\0');
     in.read(text.data(), static_cast<std::streamsize>(size));
     if (!in) return fail(about_file("NC0001", file.string(), "cannot be read", "check the path and its permissions"));
+    if (!is_gzip(text)) return read_program(text, file.string(), options);
+    auto inside = inflated(text, longest_text);
+    if (!inside) {
+        inside.error().place.file = file.string();
+        return fail(std::move(inside.error()));
+    }
+    text = std::move(*inside);
     return read_program(text, file.string(), options);
 }
 

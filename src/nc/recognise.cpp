@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "trunnion/base/number.hpp"
 
@@ -104,14 +105,32 @@ bool is_sinumerik_line(std::string_view line) {
     return false;
 }
 
+/// MillPlus is told by its mark alone: its `B5=` would pass for SINUMERIK.
+bool is_millplus_mark(std::string_view line) {
+    return line.starts_with("%PM") || line.starts_with("%MM");
+}
+
 /// Which kind of G-code it is, from a line on that could be either.
 Dialect which_g_code(std::string_view line, LineScanner lines) {
     const int last = lines.number() + lines_that_may_tell;
+    if (is_millplus_mark(line)) return Dialect::fanuc;  // its reader says why it is not read
     do {
         if (is_sinumerik_line(trimmed(line))) return Dialect::sinumerik;
         if (is_fanuc_line(trimmed(line))) return Dialect::fanuc;
     } while (lines.number() < last && lines.next(line));
     return Dialect::rs274;
+}
+
+/// A listing that stands before the `%` of a tape, as NX writes it: what follows is for ISO controls unless it says
+/// otherwise. Empty where there is no `%`.
+std::optional<Dialect> behind_header(LineScanner lines) {
+    const int last = lines.number() + lines_that_may_tell;
+    for (std::string_view line; lines.number() < last && lines.next(line);) {
+        if (!trimmed(line).starts_with('%')) continue;
+        const Dialect dialect = which_g_code(trimmed(line), lines);
+        return dialect == Dialect::rs274 ? Dialect::fanuc : dialect;
+    }
+    return {};
 }
 
 Diagnostic not_recognised(int line) {
@@ -135,7 +154,8 @@ Result<Dialect> recognise(std::string_view text) {
         if (line.empty()) continue;
         if (line.starts_with("$$") || is_apt_statement(line) || is_pose(line)) return Dialect::apt;
         if (is_heidenhain_line(line)) return Dialect::heidenhain;
-        if (is_rs274_block(line) || is_sinumerik_line(line)) return which_g_code(line, lines);
+        if (is_rs274_block(line) || is_sinumerik_line(line) || is_fanuc_line(line)) return which_g_code(line, lines);
+        if (const auto dialect = behind_header(lines)) return *dialect;
         return fail(not_recognised(lines.number()));
     }
     return fail(empty_program());

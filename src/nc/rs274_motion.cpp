@@ -45,36 +45,59 @@ bool Rs274Reader::moves_on_arc() const {
 }
 
 bool Rs274Reader::motion() {
+    if (request_.takes_axes) return true;
     const bool on_arc = moves_on_arc();
-    if (axes_ == 0 && !on_arc) return true;
-    if (modal_.motion == Meaning::no_motion)
+    const bool own_block = request_.of(Group::motion) >= Meaning::cubic_curve;
+    if (axes_ == 0 && !on_arc && !own_block && !nurbs_) return true;
+    if (modal_.motion >= Meaning::cubic_curve) {
+        if (is_curve(modal_.motion)) return curve();
+        if (modal_.motion == Meaning::cycle) return cycle();
+        if (axes_ == 0) return true;
         return refuse("NC0308", spot_of_motion(), "an axis word, but no motion is in force", {}, "G0 or G1 before it");
+    }
+    return move_to_target(on_arc);
+}
+
+bool Rs274Reader::move_to_target(bool on_arc) {
     const bool machine_position = request_.asks(Group::once, Meaning::machine_position);
     if (machine_position && !modal_.absolute)
-        return refuse("NC0315", {block_.line, request_.code_of(Group::once).column}, "G53 needs G90",
-                      "G91 is in force");
-    const std::uint16_t tool = modal_.length_tool.value_or(modal_.tool);
-    enter(machine_position ? Frame{Space::machine}
-                           : Frame{modal_.tcp ? Space::workpiece : Space::untransformed, modal_.offset, tool});
+        return refuse("NC0315", spot_of(Group::once), "G53 needs G90", "G91 is in force");
+    enter(machine_position ? Frame{Space::machine} : frame_in_force());
     const Eigen::Vector3d start_mm = position_mm_;
     if (!target()) return false;
+    Move move = move_here();
+    if (modal_.motion == Meaning::rapid) move.kind = program::MoveKind::rapid;
+    return feed_of(move) && (!on_arc || arc_from(start_mm, move)) && add(move);
+}
+
+Frame Rs274Reader::frame_in_force() const {
+    return {modal_.tcp ? Space::workpiece : Space::untransformed, modal_.offset,
+            modal_.length_tool.value_or(modal_.tool)};
+}
+
+/// A cutting move of this block to where position_mm_ and rotary_rad_ are.
+Move Rs274Reader::move_here() const {
+    const std::uint16_t tool = modal_.length_tool.value_or(modal_.tool);
     Move move;
     move.position_mm = position_mm_;
     move.rotary_rad = rotary_rad_;
-    move.kind = modal_.motion == Meaning::rapid ? program::MoveKind::rapid : program::MoveKind::feed;
     move.space = frame_.space;
     move.law = program::OrientationLaw::rotary;
     move.exact_stop = modal_.exact_stop;
-    move.tool = machine_position && program_.tools[tool].ends_with(" D0") ? modal_.tool : tool;
+    move.tool = frame_.space == Space::machine && program_.tools[tool].ends_with(" D0") ? modal_.tool : tool;
     move.offset = frame_.offset;
-    move.line = block_.line;
-    return feed_of(move) && (!on_arc || arc_from(start_mm, move)) && add(move);
+    move.line = block_.program_line;
+    return move;
 }
 
 /// Where coordinates count in another frame the axes stand as they do, but none of the coordinates is known.
 void Rs274Reader::enter(const Frame& frame) {
-    if (frame != frame_) position_mm_.setConstant(unknown_word);
+    if (frame == frame_) return;
+    position_mm_.setConstant(unknown_word);
+    end_tangent_mm_.reset();
+    cycle_level_mm_.reset();
     frame_ = frame;
+    use_shift();
 }
 
 /// Where the block goes: position_mm_ and rotary_rad_ from its words.
@@ -93,7 +116,8 @@ bool Rs274Reader::axis_word(char letter) {
     if (!modal_.absolute && std::isnan(coordinate))
         return refuse("NC0309", block_.spot(letter), "an incremental word from a position that is not known",
                       {&letter, 1}, "say the position once in G90");
-    coordinate = modal_.absolute ? way : coordinate + way;
+    const double shift = linear ? word_shift_.mm[static_cast<Eigen::Index>(axis)] : word_shift_.rad[axis];
+    coordinate = modal_.absolute ? way + shift : coordinate + way;
     if (!std::isfinite(coordinate))
         return refuse("NC0201", block_.spot(letter), "the position is not finite", {&letter, 1});
     return true;
@@ -101,7 +125,7 @@ bool Rs274Reader::axis_word(char letter) {
 
 /// Whether no linear axis is asked to move. A coordinate that is unknown stays where it stands.
 bool Rs274Reader::turns_only(const Move& move) const {
-    if (program_.moves.empty() || moves_on_arc()) return false;
+    if (program_.moves.empty() || moves_on_arc() || move.curve_part != program::no_curve_part) return false;
     const Move& last = program_.moves.back();
     const bool same_frame = frame_of(last) == frame_of(move);
     for (int i = 0; i < 3; ++i) {
@@ -114,13 +138,15 @@ bool Rs274Reader::turns_only(const Move& move) const {
 bool Rs274Reader::feed_of(Move& move) {
     if (move.kind == program::MoveKind::rapid) return true;
     if (modal_.feed_per_s == 0 && !options_.feed_given_elsewhere) {
-        if (modal_.inverse_time)
+        if (modal_.feed_mode == FeedMode::per_turn && modal_.feed_per_turn > 0)
+            return refuse("NC0348", spot_of_motion(), "G95 needs the speed of the spindle", {}, "S before it");
+        if (modal_.feed_mode == FeedMode::inverse_time)
             return refuse("NC0310", spot_of_motion(), "G93 needs F in every block with G1", {},
                           "--feed gives one instead");
         return refuse("NC0205", spot_of_motion(), "a cutting move without a feed", {},
                       "--feed gives one, or F before it");
     }
-    if (modal_.inverse_time && modal_.feed_per_s > 0)
+    if (modal_.feed_mode == FeedMode::inverse_time && modal_.feed_per_s > 0)
         move.feed = {FeedRule::block_time, 1 / modal_.feed_per_s};
     else if (turns_only(move))
         move.feed = {FeedRule::rotary_rate, modal_.feed_per_s * degree};
@@ -136,7 +162,12 @@ bool Rs274Reader::add(Move& move) {
                         "moves before the first pose that is known whole are left out");
         return true;
     }
-    if (moves.empty() || move.arc != program::no_arc || !same_place(moves.back(), move)) moves.push_back(move);
+    if (left_out_home_)
+        return refuse("NC0302", *left_out_home_, "the way home leads to a place that is not known here", "G28",
+                      "G53 and positions instead, or nothing behind it");
+    end_tangent_mm_.reset();
+    const bool bent = move.arc != program::no_arc || move.curve_part != program::no_curve_part;
+    if (moves.empty() || bent || !same_place(moves.back(), move)) moves.push_back(move);
     return true;
 }
 
@@ -166,7 +197,10 @@ void Rs274Reader::drop_undetermined() {
     findings_.count("NC0013", Severity::warning, {moves.front().line, 1}, "start",
                     "moves before the first pose that is known whole are left out", {}, static_cast<int>(first));
     moves.erase(moves.begin(), moves.begin() + static_cast<std::ptrdiff_t>(first));
-    if (!moves.empty()) moves.front().arc = program::no_arc;
+    if (!moves.empty()) {
+        moves.front().arc = program::no_arc;
+        moves.front().curve_part = program::no_curve_part;
+    }
     for (program::Event& event : program_.events) event.before_move -= std::min(event.before_move, first);
     for (program::PathControl& control : program_.path_controls)
         control.before_move -= std::min(control.before_move, first);

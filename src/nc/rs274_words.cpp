@@ -18,10 +18,10 @@ constexpr Entry g_words[] = {
     {10, Meaning::feed, Group::motion},
     {20, Meaning::clockwise_arc, Group::motion},
     {30, Meaning::counter_clockwise_arc, Group::motion},
-    {50, Meaning::spline, Group::motion},
-    {51, Meaning::spline, Group::motion},
-    {52, Meaning::spline, Group::motion},
-    {53, Meaning::spline, Group::motion},
+    {50, Meaning::cubic_curve, Group::motion},
+    {51, Meaning::quadratic_curve, Group::motion},
+    {52, Meaning::nurbs, Group::motion},
+    {53, Meaning::nurbs_end, Group::motion},
     {800, Meaning::no_motion, Group::motion},
     {330, Meaning::changes_motion, Group::motion},
     {331, Meaning::changes_motion, Group::motion},
@@ -29,28 +29,30 @@ constexpr Entry g_words[] = {
     {383, Meaning::changes_motion, Group::motion},
     {384, Meaning::changes_motion, Group::motion},
     {385, Meaning::changes_motion, Group::motion},
-    {730, Meaning::changes_motion, Group::motion},
-    {740, Meaning::changes_motion, Group::motion},
+    {730, Meaning::cycle, Group::motion},
+    {740, Meaning::cycle, Group::motion},
     {760, Meaning::changes_motion, Group::motion},
-    {810, Meaning::changes_motion, Group::motion},
-    {820, Meaning::changes_motion, Group::motion},
-    {830, Meaning::changes_motion, Group::motion},
-    {840, Meaning::changes_motion, Group::motion},
-    {850, Meaning::changes_motion, Group::motion},
-    {860, Meaning::changes_motion, Group::motion},
+    {810, Meaning::cycle, Group::motion},
+    {820, Meaning::cycle, Group::motion},
+    {830, Meaning::cycle, Group::motion},
+    {840, Meaning::cycle, Group::motion},
+    {850, Meaning::cycle, Group::motion},
+    {860, Meaning::cycle, Group::motion},
     {870, Meaning::changes_motion, Group::motion},
     {880, Meaning::changes_motion, Group::motion},
-    {890, Meaning::changes_motion, Group::motion},
+    {890, Meaning::cycle, Group::motion},
     {40, Meaning::dwell, Group::once},
-    {100, Meaning::changes_motion, Group::once},
-    {280, Meaning::changes_motion, Group::once},
-    {300, Meaning::changes_motion, Group::once},
-    {520, Meaning::changes_motion, Group::shift},
+    {100, Meaning::set_data, Group::shift},
+    {280, Meaning::go_home, Group::shift},
+    {281, Meaning::harmless, Group::shift},
+    {300, Meaning::go_home, Group::shift},
+    {301, Meaning::harmless, Group::shift},
+    {520, Meaning::local_shift, Group::shift},
     {530, Meaning::machine_position, Group::once},
-    {920, Meaning::changes_motion, Group::shift},
-    {921, Meaning::harmless, Group::shift},  // no shift can be active
-    {922, Meaning::harmless, Group::shift},
-    {923, Meaning::changes_motion, Group::shift},
+    {920, Meaning::shift_to_here, Group::shift},
+    {921, Meaning::end_shift, Group::shift},
+    {922, Meaning::pause_shift, Group::shift},
+    {923, Meaning::resume_shift, Group::shift},
     {170, Meaning::plane, Group::plane},
     {180, Meaning::plane, Group::plane},
     {190, Meaning::plane, Group::plane},
@@ -87,10 +89,11 @@ constexpr Entry g_words[] = {
     {911, Meaning::incremental_centre, Group::arc_distance},
     {930, Meaning::inverse_time, Group::feed_mode},
     {940, Meaning::per_minute, Group::feed_mode},
-    {950, Meaning::changes_motion, Group::feed_mode},
+    {950, Meaning::per_turn, Group::feed_mode},
+    {960, Meaning::changes_motion, Group::spindle_mode},
     {970, Meaning::harmless, Group::spindle_mode},
-    {980, Meaning::harmless, Group::return_mode},
-    {990, Meaning::harmless, Group::return_mode},
+    {980, Meaning::initial_level, Group::return_mode},
+    {990, Meaning::retract_plane, Group::return_mode},
 };
 
 constexpr Entry m_words[] = {
@@ -108,6 +111,28 @@ constexpr Entry m_words[] = {
     {90, Meaning::coolant, Group::flood},
     {480, Meaning::harmless, Group::override_switch},  // the operator's override knobs
     {490, Meaning::harmless, Group::override_switch},
+    {500, Meaning::harmless, Group::override_switch},
+    {510, Meaning::harmless, Group::override_switch},
+    {520, Meaning::harmless, Group::override_switch},
+    {530, Meaning::harmless, Group::override_switch},
+    {190, Meaning::spindle, Group::spindle},
+    {610, Meaning::tool_in_spindle, Group::tool_change},
+    {620, Meaning::pin, Group::pins},
+    {630, Meaning::pin, Group::pins},
+    {640, Meaning::pin, Group::pins},
+    {650, Meaning::pin, Group::pins},
+    {660, Meaning::wait_for_pin, Group::pins},
+    {670, Meaning::pin, Group::pins},
+    {680, Meaning::pin, Group::pins},
+    {700, Meaning::keep_state, Group::state},
+    {710, Meaning::forget_state, Group::state},
+    {720, Meaning::restore_state, Group::state},
+    {730, Meaning::keep_state_till_return, Group::state},
+    {820, Meaning::printing, Group::user},
+    {830, Meaning::printing, Group::user},
+    {840, Meaning::printing, Group::user},
+    {980, Meaning::call_program, Group::subprogram},
+    {990, Meaning::return_from_program, Group::subprogram},
 };
 
 constexpr std::size_t table_size = 1000;
@@ -122,11 +147,22 @@ constexpr Table table_of(std::span<const Entry> entries) {
 constexpr Table g_table = table_of(g_words);
 constexpr Table m_table = table_of(m_words);
 
+/// M words from M100 on: up to M199 they are the user's own; of the further ones of 3D printers those that set
+/// accelerations, jerks, advance, flow and motor currents, or wait.
+constexpr WordRule further_m_word(int tenths) {
+    if (tenths % 10 != 0) return {};
+    if (tenths < 2000) return {Meaning::user_word, Group::user};
+    for (const int number : {201, 203, 204, 205, 221, 900, 907})
+        if (tenths == 10 * number) return {Meaning::printing, Group::user};
+    if (tenths == 4000) return {Meaning::wait_for_pin, Group::pins};
+    return {};
+}
+
 }  // namespace
 
 WordRule rule_for(const Code& code) noexcept {
     const auto tenths = static_cast<std::size_t>(code.tenths);
-    if (tenths >= table_size) return {};
+    if (tenths >= table_size) return code.letter == 'M' ? further_m_word(code.tenths) : WordRule{};
     return (code.letter == 'G' ? g_table : m_table)[tenths];
 }
 

@@ -22,6 +22,8 @@ constexpr std::pair<std::string_view, Counting> countings[] = {{"AC", Counting::
                                                                {"ACP", Counting::positive},
                                                                {"ACN", Counting::negative}};
 
+constexpr std::string_view polynomial = "PO";
+
 /// What else means something within statements.
 constexpr std::string_view inner_words[] = {"TO", "OF", "DEFAULT", "SET", "REP", "VAR", "BLOCK", "ENDLABEL"};
 
@@ -227,6 +229,7 @@ bool Interpreter::Machinery::control_word(Block& block, int column, std::string_
 
 bool Interpreter::Machinery::index_of(Word& word) {
     std::string_view axis;
+    if (word.name == polynomial && cursor_.take("]")) return true;  // PO[]: the denominator
     if (expressions_.bare_name(axis)) {
         word.index = axis;
     } else {
@@ -239,6 +242,10 @@ bool Interpreter::Machinery::index_of(Word& word) {
 
 /// Behind the =.
 bool Interpreter::Machinery::value_of(Word& word) {
+    if (word.name == polynomial || cursor_.take_word(polynomial)) {
+        word.is_list = true;
+        return cursor_.want("(") && expressions_.arguments(word.arguments, limits_.words);
+    }
     if (const auto* const counting = counting_named(cursor_.peek_name())) {
         cursor_.name();
         word.counting = counting->second;

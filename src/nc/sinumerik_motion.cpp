@@ -57,8 +57,8 @@ constexpr Address vias[] = {Address::i1, Address::j1, Address::k1};
 }  // namespace
 
 bool SinumerikReader::asks_motion() const {
-    return said_.has_any(Address::x, Address::rotary_3) || said_.has_any(Address::a2, Address::c3) ||
-           (is_circle(modes_.motion) && said_.has_any(Address::i, Address::turn));
+    return said_.has_any(Address::x, Address::rotary_3) || said_.has_any(Address::a2, Address::zh) ||
+           (is_circle(modes_.motion) && said_.has_any(Address::i, Address::turn)) || !polynomials_.empty();
 }
 
 Spot SinumerikReader::spot_of_motion() const {
@@ -101,6 +101,8 @@ bool SinumerikReader::motion() {
         return refuse("NC0610", spot_of_motion(), "an axis word, but no motion is in force", {}, "G0 or G1 before it");
     if (!count_in(groups_[static_cast<std::size_t>(Group::suppression)] == Meaning::suppress)) return false;
     Vector3d to = programmed_mm_;
+    rotary_from_rad_ = rotary_rad_;
+    second_from_mm_ = second_mm_;
     for (const Address address : linear)
         if (said_.has(address) && !linear_word(address, to)) return false;
     for (const Address address : rotary)
@@ -108,7 +110,9 @@ bool SinumerikReader::motion() {
     said_.use(Address::x, Address::rotary_3);
     Way way;
     way.rapid = modes_.motion == Meaning::rapid;
-    if (!orientation()) return false;
+    if (!orientation() || !second_point(to)) return false;
+    if (modes_.motion == Meaning::spline) return add_spline_point(to);
+    if (modes_.motion == Meaning::polynomial) return go_along_polynomial(to);
     if (modes_.motion != Meaning::rapid && modes_.motion != Meaning::line && !circle(to, way)) return false;
     if (!go(to, way)) return false;
     return !modal_cycle_ || run_cycle(*modal_cycle_);
@@ -270,6 +274,11 @@ Vector3d SinumerikReader::last_direction() const {
                       start.offset == end.offset && start.tool == end.tool;
     Vector3d way = end.position_mm - start.position_mm;
     if (!here || way.hasNaN()) return Vector3d::Zero();
+    if (end.curve_part != program::no_curve_part) {
+        const auto& part = program_.curve_parts[static_cast<std::size_t>(end.curve_part)];
+        const auto& points = program_.curves[static_cast<std::size_t>(part.curve)].position_mm;
+        return points.back() - points[points.size() - 2];
+    }
     if (end.arc == program::no_arc) return way;
     const program::Arc& arc = program_.arcs[static_cast<std::size_t>(end.arc)];
     const Vector3d turning = std::copysign(1.0, arc.angle_rad) * arc.normal.cross(end.position_mm - arc.centre_mm);
@@ -280,6 +289,7 @@ Vector3d SinumerikReader::last_direction() const {
 
 /// From where the tool stands to a place in the programmed frame. Coordinates that are not known stay as they are.
 bool SinumerikReader::go(const Vector3d& to, const Way& way) {
+    if (!end_spline()) return false;
     const auto outer = frame_.outward(to);
     const bool whole_needed = program_.moves.empty() || (whole_pose_needed_ && counted_in_.space == Space::workpiece);
     programmed_mm_ = to;
@@ -301,6 +311,12 @@ bool SinumerikReader::go(const Vector3d& to, const Way& way) {
     if (way.arc && !program_.moves.empty()) {
         move.arc = static_cast<std::int32_t>(program_.arcs.size());
         program_.arcs.push_back(*way.arc);
+    }
+    if (way.curve) {
+        const program::CurvePart whole{static_cast<std::int32_t>(program_.curves.size()), way.curve->knots.front(),
+                                       way.curve->knots.back()};
+        program_.curves.push_back(*way.curve);
+        follow_curve(program_, move, whole);
     }
     position_mm_ = *outer;
     rapid_left_out_ = false;
@@ -327,8 +343,8 @@ bool SinumerikReader::leave_out(const Way& way) {
 }
 
 bool SinumerikReader::add(Move& move) {
-    if (program_.moves.empty() || move.arc != program::no_arc || !same_place(program_.moves.back(), move))
-        program_.moves.push_back(move);
+    const bool straight = move.arc == program::no_arc && move.curve_part == program::no_curve_part;
+    if (program_.moves.empty() || !straight || !same_place(program_.moves.back(), move)) program_.moves.push_back(move);
     return true;
 }
 
@@ -361,7 +377,7 @@ bool SinumerikReader::feed_of(Move& move, const Way& way) {
         move.feed = speed > 0 ? program::Feed{FeedRule::block_time, 1 / speed} : program::Feed{FeedRule::tip_speed, 0};
         return true;
     }
-    bool goes = way.arc.has_value();
+    bool goes = way.arc.has_value() || way.curved;
     for (Eigen::Index i = 0; i < 3; ++i) {
         const double to = move.position_mm[i], from = position_mm_[i];
         goes = goes || (!std::isnan(to) && !(std::abs(to - from) <= still_mm));
@@ -396,6 +412,9 @@ bool SinumerikReader::feed_of_group(Move& move, const Way& way, double speed_mm_
     const Move* const last = program_.moves.empty() ? nullptr : &program_.moves.back();
     const Vector3d step = move.position_mm - position_mm_;
     if (!last || speed_mm_s == 0) return true;
+    if (way.curved)
+        return refuse("NC0627", spot_of_motion(), "F by FGROUP with rotary axes along a curve is not supported", {},
+                      "FGROUP(X,Y,Z)");
     double squares = way.arc ? square_of_length(*way.arc, position_mm_, step) : step.squaredNorm();
     for (std::size_t i = 0; i < move.rotary_rad.size(); ++i)
         if (!same(move.rotary_rad[i], last->rotary_rad[i]))
@@ -429,6 +448,12 @@ void SinumerikReader::keep_used_letters() {
         for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = move.rotary_rad[slots[i]];
         move.rotary_rad = used;
     }
+    for (program::Curve& curve : program_.curves)
+        for (RotaryWords& words : curve.rotary_rad) {
+            RotaryWords used{};
+            for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = words[slots[i]];
+            words = used;
+        }
 }
 
 /// What the text left open and was assumed.
@@ -450,6 +475,7 @@ void SinumerikReader::tell_assumptions() {
 }
 
 Result<program::Program> SinumerikReader::done() {
+    if (!end_spline()) return fail(findings_.take_error());
     if (program_.moves.size() < 2) {
         never_started();
         return fail(findings_.take_error());

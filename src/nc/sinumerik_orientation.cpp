@@ -81,6 +81,12 @@ bool SinumerikReader::rotary_word(Address address) {
     return true;
 }
 
+/// Whether one of the machine's rotary axes is not known.
+bool SinumerikReader::has_free_rotary(const RotaryWords& words) const {
+    const auto axes = static_cast<std::ptrdiff_t>(options_.machine ? options_.machine->rotary_count : 0);
+    return std::any_of(words.begin(), words.begin() + axes, [](double word) { return std::isnan(word); });
+}
+
 /// Vectors and angles that say the tool's axis: law vector from here on.
 bool SinumerikReader::orientation() {
     if (!said_.has_any(Address::a2, Address::c3)) return true;

@@ -61,6 +61,7 @@ SinumerikReader::SinumerikReader(std::string_view text, std::string_view file_na
     tool_.changed_by_m6 = says_m6(text);
     position_mm_.setConstant(unknown);
     programmed_mm_.setConstant(unknown);
+    second_mm_.setConstant(unknown);
     rotary_rad_.fill(unknown);
 }
 
@@ -83,13 +84,15 @@ bool SinumerikReader::block() {
     said_.forget_uses();
     groups_.fill(Meaning::unknown);
     frame_word_ = call_ = modal_call_ = stop_ = tool_word_ = edge_word_ = change_word_ = nullptr;
+    polynomials_.clear();
     exact_stop_once_ = false;
     for (const Word& word : block_.words)
         if (!take(word)) return false;
-    return tool_words() && feed_word() && carry_out() && check_use() && finish_block();
+    return tool_words() && feed_word() && spline_degree() && carry_out() && check_use() && finish_block();
 }
 
 bool SinumerikReader::take(const Word& word) {
+    if (word.is_list) return polynomial_word(word);
     return word.name.size() == 1 ? letter(word.name.front(), word) : name(word);
 }
 
@@ -175,6 +178,9 @@ bool SinumerikReader::name(const Word& word) {
             return event(EventKind::spindle, true, written(word));
         case Meaning::smoothing_cycle:
             return smoothing_cycle(word);
+        case Meaning::spline_axes:
+        case Meaning::polynomial_axes:
+            return curve_axes(word);
         case Meaning::feed_group:
             return feed_group(word);
         case Meaning::feed_reference:
@@ -246,8 +252,10 @@ bool SinumerikReader::mode(const WordRule& rule, const Word& word) {
         case Meaning::counter_clockwise:
         case Meaning::via_point:
         case Meaning::tangential:
+        case Meaning::spline:
+        case Meaning::polynomial:
             modes_.motion = rule.meaning;
-            return true;
+            return rule.meaning == Meaning::spline || end_spline();
         case Meaning::plane:
             modes_.normal_axis = rule.which;
             return true;
@@ -300,7 +308,9 @@ bool SinumerikReader::orientation_mode(Meaning meaning, const Word& word) {
             return true;
         case Meaning::vectors_in_plane:
         case Meaning::axes_linear:
+        case Meaning::second_curve:
             modes_.axes_linear = meaning == Meaning::axes_linear;
+            modes_.second_curve = meaning == Meaning::second_curve;
             return true;
         case Meaning::in_workpiece:
         case Meaning::in_machine:
@@ -328,7 +338,10 @@ bool SinumerikReader::not_supported(Meaning meaning, const Word& word) {
         case Meaning::lathe_feed:
             return refuse("NC0601", word, "constant cutting speed is not supported", "G94 F or G95 F with S");
         case Meaning::curve:
-            return refuse("NC0602", word, "splines and polynomials are not supported", "post lines and circles");
+            return refuse("NC0602", word, "this curve is not supported", "BSPLINE and POLY are; or lines and circles");
+        case Meaning::lead_and_tilt:
+            return refuse("NC0638", word, "LEAD, TILT and surface normals are not supported",
+                          "post tool vectors: A3 B3 C3 under ORIVECT");
         case Meaning::compensation:
             return refuse("NC0603", word, "cutter radius compensation is not supported",
                           "post the path of the tool's centre, with G40");
@@ -473,7 +486,12 @@ bool SinumerikReader::feed_word() {
 }
 
 bool SinumerikReader::carry_out() {
+    const bool moves =
+        groups_[static_cast<std::size_t>(Group::once)] != Meaning::dwell && !frame_word_ && !modal_call_ && !call_;
+    if (!polynomials_.empty() && (!moves || modes_.motion != Meaning::polynomial))
+        return refuse("NC0634", *polynomials_.front(), "PO needs POLY");
     if (groups_[static_cast<std::size_t>(Group::once)] == Meaning::dwell) return dwell();
+    if ((frame_word_ || call_ || modal_call_) && !end_spline()) return false;
     if (frame_word_) return frame_statement();
     if (modal_call_) return modal_call();
     if (call_) return call(*call_);

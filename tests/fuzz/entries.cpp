@@ -15,8 +15,11 @@ constexpr Entry all[] = {
     {"apt", [](std::string_view bytes) { take_program("apt", bytes); }},
     {"rs274", [](std::string_view bytes) { take_program("rs274", bytes); }},
     {"sinumerik", [](std::string_view bytes) { take_program("sinumerik", bytes); }},
+    {"heidenhain", [](std::string_view bytes) { take_program("heidenhain", bytes); }},
+    {"fanuc", [](std::string_view bytes) { take_program("fanuc", bytes); }},
     {"machine_file", take_machine_file},
     {"setup_file", take_setup_file},
+    {"controller_file", take_controller_file},
     {"setpoints", take_setpoints},
 };
 

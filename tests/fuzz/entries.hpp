@@ -29,6 +29,7 @@ void expect_sound(const Diagnostic& diagnostic, std::string_view bytes);
 void take_program(std::string_view dialect, std::string_view bytes);
 void take_machine_file(std::string_view bytes);
 void take_setup_file(std::string_view bytes);
+void take_controller_file(std::string_view bytes);
 void take_setpoints(std::string_view bytes);
 
 }  // namespace trunnion::fuzz

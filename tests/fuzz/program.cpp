@@ -30,6 +30,22 @@ void expect_sound(const program::Move& move, const program::Program& program) {
     expect(move.tool < program.tools.size() && move.offset < program.offsets.size(), "tools and offsets are known");
     expect(move.arc == program::no_arc || (move.arc >= 0 && std::size_t(move.arc) < program.arcs.size()),
            "arcs are known");
+    expect(move.curve_part == program::no_curve_part ||
+               (move.curve_part >= 0 && std::size_t(move.curve_part) < program.curve_parts.size()),
+           "parts of curves are known");
+}
+
+void expect_sound(const program::Curve& curve) {
+    const std::size_t points = curve.position_mm.size();
+    expect(curve.degree >= 1 && curve.degree <= 7, "degrees of curves are low");
+    expect(curve.knots.size() == points + std::size_t(curve.degree) + 1, "knots and control points fit");
+    expect(std::ranges::is_sorted(curve.knots), "knots do not fall");
+    for (const std::size_t size : {curve.weights.size(), curve.axis.size(), curve.rotary_rad.size()})
+        expect(size == 0 || size == points, "every control point is whole");
+    for (const double knot : curve.knots) expect(std::isfinite(knot), "knots are finite");
+    for (const double weight : curve.weights) expect(weight > 0 && std::isfinite(weight), "weights are positive");
+    for (const auto& point : curve.position_mm) expect(point.allFinite(), "control points are finite");
+    for (const auto& axis : curve.axis) expect(axis.allFinite(), "control vectors are finite");
 }
 
 void expect_sound(const program::Program& program) {
@@ -39,6 +55,11 @@ void expect_sound(const program::Program& program) {
     for (const program::Arc& arc : program.arcs) {
         expect(arc.centre_mm.allFinite() && std::isfinite(arc.angle_rad), "arcs are finite");
         expect(std::abs(arc.normal.norm() - 1) < 1e-9, "normals of arcs are unit vectors");
+    }
+    for (const program::Curve& curve : program.curves) expect_sound(curve);
+    for (const program::CurvePart& part : program.curve_parts) {
+        expect(part.curve >= 0 && std::size_t(part.curve) < program.curves.size(), "curves are known");
+        expect(part.from_u < part.to_u, "parts of curves have a length");
     }
     expect(std::ranges::is_sorted(program.events, {}, &program::Event::before_move), "events are in order");
     for (const program::Event& event : program.events) {

@@ -11,8 +11,12 @@ def command_line(words, out):
     """With every output that the command can write, into the folder `out`."""
     if words[0] in ('machine', 'controller'):
         return words
+    if words[0] in ('convert', 'smooth'):
+        return [*words, '-o', f'{out}/p.nc']
     if words[0] == 'predict':
         return [*words, '--summary', f'{out}/s.json', '--samples', f'{out}/p.csv']
+    if words[0] == 'report':
+        return [*words, '-o', f'{out}/page.html']
     if words[0] == 'check':
         return [*words, '--summary', f'{out}/s.json']
     return ['plan', *words, '-o', f'{out}/q.csv', '--summary', f'{out}/s.json', '--path', f'{out}/path.csv', '--programmed',

@@ -7,10 +7,12 @@
 #include <initializer_list>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "trunnion/base/quantity.hpp"
 
 #include "detail/apt_statement.hpp"
+#include "detail/curves.hpp"
 #include "detail/dialects.hpp"
 #include "detail/findings.hpp"
 #include "detail/text.hpp"
@@ -34,8 +36,27 @@ struct WaitingCircle {
     double turned_rad = 0;            ///< so far, signed about the normal
 };
 
+/// A curve whose last control point has not been met.
+struct WaitingCurve {
+    Spot spot{};
+    int degree = 3;
+    std::vector<double> knots;  ///< NX: those behind the start, with the end's once
+    std::vector<Eigen::Vector3d> points_mm;
+    std::vector<std::int32_t> lines;  ///< of the points; NX: from the second on, as the first is where the tool is
+    bool is_catia = false;            ///< BEGIN NURBS_SIEMENS … END NURBS
+    bool has_second = false;          ///< CATIA, AXIS=VAR: XH YH ZH in each point
+    std::vector<double> lengths, weights;
+    std::vector<Eigen::Vector3d> axes;  ///< from the tip to the second curve, mm
+};
+
+/// A frame in which coordinates count: where it lies in another one.
+struct PoseFrame {
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d origin_mm = Eigen::Vector3d::Zero();
+};
+
 /// Carries out the statements of APT data, one function each; apt.cpp has the table from words to functions,
-/// apt_motion.cpp poses and feeds, apt_arc.cpp circles.
+/// apt_motion.cpp poses and feeds, apt_arc.cpp circles, apt_curve.cpp curves.
 class AptReader {
   public:
     AptReader(std::string_view text, std::string_view file_name, const ReadOptions& options)
@@ -56,11 +77,16 @@ class AptReader {
     bool feed_rate();
     bool units();
     bool multax();
+    bool go_by();
+    bool rotary_table();
+    bool nurbs();
+    bool knots();
+    bool control_point();
     bool tool_axis();
     bool machine_system();
     bool part_name();
     bool load_tool();
-    bool spindle() { return event(program::EventKind::spindle, true); }
+    bool spindle();
     bool coolant() { return event(program::EventKind::coolant, false); }
     bool stop() { return event(program::EventKind::stop, true); }
     bool delay();
@@ -89,6 +115,21 @@ class AptReader {
     bool is_on_circle(const Eigen::Vector3d& point_mm) const;
     bool add_driven_arc(const Eigen::Vector3d& centre_mm, const Eigen::Vector3d& normal, double radius_mm,
                         const Eigen::Vector3d& end_mm, bool second_crossing);
+    bool end_curve();
+    bool begin_catia_curve();
+    bool catia_line();
+    bool end_catia_curve();
+    bool catia_fields(std::string_view list, std::initializer_list<std::string_view> names,
+                      std::vector<double>& values);
+    bool add_curve(program::Curve curve, const std::vector<std::int32_t>& lines);
+    /// In the program's frame, of coordinates and directions as they are written.
+    Eigen::Vector3d point_mm(const Eigen::Vector3d& written) const {
+        const Eigen::Vector3d mm = written * unit_mm_;
+        return frame_ ? Eigen::Vector3d(frame_->axes * mm + frame_->origin_mm) : mm;
+    }
+    Eigen::Vector3d direction(const Eigen::Vector3d& written) const {
+        return frame_ ? Eigen::Vector3d(frame_->axes * written) : written;
+    }
     bool cutting_feed(program::Feed& feed);
     bool event(program::EventKind kind, bool stops, double dwell_s = 0);
     bool feed_unit(std::string_view word, double& scale);
@@ -103,8 +144,13 @@ class AptReader {
     UnitStatement stated_;
     double unit_mm_ = 1;
     std::optional<double> feed_mm_s_;
+    bool feed_is_per_turn_ = false;  ///< feed_mm_s_ is mm a turn then
+    std::optional<double> turns_per_s_;
     Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();
     std::optional<WaitingCircle> circle_;
+    std::optional<WaitingCurve> curve_;
+    std::optional<PoseFrame> first_system_;     ///< of the first MSYS: the program's frame
+    std::optional<PoseFrame> frame_;            ///< of the MSYS in force in the program's frame; none: the same
     std::optional<Eigen::Vector3d> direction_;  ///< of INDIRV, for the motion that follows
     std::uint16_t tool_ = 0;
     bool rapid_next_ = false, axis_held_ = false, words_seen_ = false, finished_ = false;

@@ -29,18 +29,27 @@ enum class Group : std::uint8_t {
     mist,
     flood,
     override_switch,
+    pins,
+    state,
+    user,
+    subprogram,
     count
 };
 
 enum class Meaning : std::uint8_t {
     unknown,
-    spline,
     changes_motion,  // refused
     harmless,        // nothing that is planned here depends on it
+    printing,        // words of 3D printers that cannot change the path: ignored with their parameters
     rapid,
     feed,
     clockwise_arc,
     counter_clockwise_arc,
+    cubic_curve,
+    quadratic_curve,
+    nurbs,
+    nurbs_end,
+    cycle,
     no_motion,
     dwell,
     machine_position,
@@ -53,6 +62,16 @@ enum class Meaning : std::uint8_t {
     own_tool_length,
     per_minute,
     inverse_time,
+    per_turn,
+    initial_level,
+    retract_plane,
+    shift_to_here,
+    end_shift,
+    pause_shift,
+    resume_shift,
+    local_shift,
+    set_data,
+    go_home,
     inch,
     mm,
     offset,
@@ -62,11 +81,26 @@ enum class Meaning : std::uint8_t {
     end,
     spindle,
     tool_change,
-    coolant
+    tool_in_spindle,
+    coolant,
+    pin,
+    wait_for_pin,
+    user_word,
+    keep_state,
+    forget_state,
+    restore_state,
+    keep_state_till_return,
+    call_program,
+    return_from_program
 };
 
 constexpr bool is_arc(Meaning meaning) {
     return meaning == Meaning::clockwise_arc || meaning == Meaning::counter_clockwise_arc;
+}
+
+constexpr bool is_curve(Meaning meaning) {
+    return meaning == Meaning::cubic_curve || meaning == Meaning::quadratic_curve || meaning == Meaning::nurbs ||
+           meaning == Meaning::nurbs_end;
 }
 
 struct WordRule {

@@ -36,9 +36,10 @@ struct Word {
     bool has_value = false;
     bool has_text = false;  ///< T="MILL": in `text`
     bool is_call = false;   ///< brackets stand behind it, if empty ones: TRAORI(1), CYCLE800()
+    bool is_list = false;   ///< PO[X]=(1,2,3), X=PO(1,2,3): a polynomial; its values are the arguments
     double value = 0;       ///< finite; as written: mm or inch, degrees
     std::string text;
-    std::vector<Argument> arguments;  ///< CYCLE800(1,"R_DATA",0,,57): five; without `is_call` none
+    std::vector<Argument> arguments;  ///< CYCLE800(1,"R_DATA",0,,57): five; of a call or a list, else none
     std::string index;                ///< FGREF[C]=57.3: C in capitals, or the number worked out; else empty
     int extension = 0;                ///< M2=3, S1=1000: 2 and 1; else 0
     int column = 0;                   ///< where the word starts, from 1

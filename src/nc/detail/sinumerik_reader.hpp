@@ -16,6 +16,7 @@
 
 #include "trunnion/base/quantity.hpp"
 
+#include "detail/curves.hpp"
 #include "detail/dialects.hpp"
 #include "detail/findings.hpp"
 #include "detail/rs274_control.hpp"
@@ -75,13 +76,15 @@ struct Modes {
     Meaning feed_kind = Meaning::per_minute;
     int normal_axis = 2;  ///< across the plane of G17, G18, G19
     bool absolute = true, exact_stop = false;
-    bool transform = false;    ///< TRAORI
-    bool axes_linear = false;  ///< ORIAXES
-    bool in_machine = false;   ///< ORIMKS
+    bool transform = false;     ///< TRAORI
+    bool axes_linear = false;   ///< ORIAXES
+    bool second_curve = false;  ///< ORICURVE
+    bool in_machine = false;    ///< ORIMKS
     std::optional<Meaning> angles;
     double unit_mm = 1, feed_unit_mm = 1;
     double feed = 0;  ///< mm/min, 1/min or mm per turn; 0: none
     double spindle_rpm = unknown;
+    int spline_degree = 3;  ///< SD
     std::uint16_t offset = 0;
     bool rotary_in_feed = false;  ///< FGROUP names rotary axes
     std::array<double, program::max_rotary_letters> reference_mm{default_reference_mm, default_reference_mm,
@@ -110,11 +113,46 @@ struct Way {
     bool rapid = false;
     std::optional<double> speed_mm_s;   ///< of a cycle; empty: the feed in force
     std::optional<program::Arc> arc{};  ///< in the work offset's frame
+    bool curved = false;                ///< along a curve: a block of BSPLINE, or the one of POLY in `curve`
+    std::optional<program::Curve> curve{};
+};
+
+/// A control point of BSPLINE in the work offset's frame, and what its block says besides.
+struct SplinePoint {
+    Eigen::Vector3d position_mm;
+    Eigen::Vector3d axis;  ///< of the tool, not unit with a second curve; unknown: not known, or law rotary
+    RotaryWords rotary_rad{};
+    double weight = 1;        ///< PW
+    double length = unknown;  ///< PL; unknown: not said
+    double second_mm = 0;     ///< from here to the point of the second curve; 0: none, unknown: not known
+    program::Feed feed{};     ///< of the block
+    std::size_t events = 0;   ///< that were there when its motion began
+    std::int32_t line = 0;
+    bool exact_stop = false;
+};
+
+/// A B-spline whose end has not been met.
+struct SplineInWork {
+    CountedIn counted_in;
+    int degree = 3;
+    program::OrientationLaw law = program::OrientationLaw::rotary;
+    std::uint16_t tool = 0;
+    Spot place;                       ///< of its first block
+    std::vector<SplinePoint> points;  ///< the first one is where the tool stands before it
+};
+
+/// A block of POLY: coefficients by X Y Z, XH YH ZH and the machine's rotary axes, of p⁰, p¹ … in mm and rad.
+struct PolynomialBlock {
+    static constexpr std::size_t second = 3, rotary = 6, axes = 9;
+    std::array<std::vector<double>, axes> numerators;
+    std::vector<double> denominator{1};
+    double length = 1;  ///< PL
+    std::size_t degree = 1;
 };
 
 /// Carries out the blocks that the interpreter hands over. sinumerik_reader.cpp: words, modes, tools;
-/// sinumerik_motion.cpp: where a block goes, how fast, and which poses are kept; sinumerik_orientation.cpp: rotary
-/// words, vectors, frames, CYCLE800; sinumerik_cycles.cpp: drilling.
+/// sinumerik_motion.cpp: where a block goes, how fast, and which poses are kept; sinumerik_curves.cpp: BSPLINE and
+/// POLY; sinumerik_orientation.cpp: rotary words, vectors, frames, CYCLE800; sinumerik_cycles.cpp: drilling.
 class SinumerikReader {
   public:
     SinumerikReader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control);
@@ -180,8 +218,33 @@ class SinumerikReader {
     void keep_used_letters();
     void tell_assumptions();
 
+    // curves
+    bool polynomial_word(const Word& word);
+    bool curve_axes(const Word& word);
+    bool add_spline_point(const Eigen::Vector3d& to);
+    bool begin_spline();
+    bool spline_degree();
+    bool spline_words(SplinePoint& point);
+    bool complete_lengths(SplineInWork& work);
+    bool end_spline();
+    bool add_spline(const SplineInWork& work, std::size_t first, const std::vector<std::size_t>& blocks,
+                    program::Curve curve);
+    bool spline_orientation(const SplineInWork& work, program::Curve& curve);
+    bool refuse_in(const SplineInWork& work, std::string_view code, std::string text, std::string_view hint = {}) {
+        return findings_.refuse(code, work.place, std::move(text), {}, hint);
+    }
+    bool go_along_polynomial(const Eigen::Vector3d& to);
+    bool coefficients(const Eigen::Vector3d& to, PolynomialBlock& block);
+    bool second_coefficients(PolynomialBlock& block);
+    std::optional<std::size_t> numerator_of(std::string_view axis) const;
+    bool keep_coefficients(const Word& word, PolynomialBlock& block);
+    bool denominator(const Word& word, PolynomialBlock& block);
+    bool curve_of(const PolynomialBlock& block, program::Curve& curve);
+    bool second_point(const Eigen::Vector3d& to);
+
     // orientation and frames
     bool rotary_word(Address address);
+    bool has_free_rotary(const RotaryWords& words) const;
     bool orientation();
     bool vector_words(Eigen::Vector3d& vector);
     bool angle_words(Eigen::Vector3d& vector);
@@ -232,6 +295,9 @@ class SinumerikReader {
     const Word* modal_call_ = nullptr;  ///< MCALL
     const Word* stop_ = nullptr;
     const Word *tool_word_ = nullptr, *edge_word_ = nullptr, *change_word_ = nullptr;  ///< T, D, M6
+    std::vector<const Word*> polynomials_;                                             ///< PO
+    Eigen::Vector3d second_from_mm_;  ///< the second curve before this block
+    RotaryWords rotary_from_rad_{};   ///< the rotary words before it
     bool exact_stop_once_ = false;
 
     // where things stand
@@ -243,6 +309,8 @@ class SinumerikReader {
     std::uint32_t rotary_ever_ = 0;                ///< bit of each rotary axis with a word
     program::OrientationLaw law_ = program::OrientationLaw::rotary;
     Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();  ///< of law vector, in the offset's frame
+    Eigen::Vector3d second_mm_;  ///< the point of ORICURVE's second curve, in the offset's frame; unknown: any
+    std::optional<SplineInWork> spline_;
     bool swivelled_ = false;
     bool tool_as_swivelled_ = false;  ///< no orientation was programmed since CYCLE800
     bool whole_pose_needed_ = false;  ///< X, Y and Z must be known before anything moves: the tool was swivelled

@@ -28,6 +28,12 @@ enum class Address : std::uint8_t {
     a3,
     b3,
     c3,
+    xh,
+    yh,
+    zh,
+    parameter_length,  // PL
+    point_weight,      // PW
+    spline_degree,     // SD
     feed,
     feed_once,    // FB
     plane_angle,  // RPL
@@ -46,6 +52,7 @@ enum class Meaning : std::uint8_t {
     message,
     changes_motion,  // refused from here on
     curve,
+    lead_and_tilt,
     compensation,
     machining_cycle,
     lathe_feed,
@@ -56,6 +63,8 @@ enum class Meaning : std::uint8_t {
     counter_clockwise,
     via_point,
     tangential,
+    spline,
+    polynomial,
     dwell,
     // modes
     plane,     // which: 0 … 2, the axis across
@@ -85,6 +94,10 @@ enum class Meaning : std::uint8_t {
     in_machine,
     euler_angles,
     rpy_angles,
+    second_curve,     // ORICURVE
+    spline_axes,      // SPLINEPATH
+    polynomial_axes,  // POLYPATH
+    coefficients,     // PO
     // frames; which: 1 = on top of what is in force
     translate,
     rotate,

@@ -9,6 +9,7 @@
 
 #include "trunnion/base/quantity.hpp"
 
+#include "curves.hpp"
 #include "reading.hpp"
 
 namespace trunnion::nc {
@@ -136,11 +137,36 @@ TEST_F(RealFiles, PosesWithoutFeeds) {
     }
 }
 
+/// 3-axis finishing by cubics: 70 curves between lines, as fast along the parameter as along the path.
+TEST_F(RealFiles, NurbsOfNx) {
+    const auto p = read_shared("nc/apt/nurbs_nx.clsf", Units::mm);
+    ASSERT_TRUE(p) << said(p);
+    expect_sound_curves(*p);
+    ASSERT_EQ(p->curves.size(), 70u);
+    EXPECT_EQ(std::ranges::count(p->moves, program::no_curve_part, &program::Move::curve_part), 78);
+    EXPECT_EQ(p->moves.size(), 78u + 1413 - 2 * 70);
+    for (const program::Curve& curve : p->curves) {
+        const double end = curve.knots.back();
+        constexpr int steps = 200;
+        std::vector<double> length{0};
+        Eigen::Vector3d last = curve.position_mm.front();
+        for (int i = 1; i < steps; ++i) {
+            const Eigen::Vector3d at = blended(curve, curve.position_mm, end * i / steps);
+            length.push_back(length.back() + (at - last).norm());
+            last = at;
+        }
+        const double whole = length.back() + (curve.position_mm.back() - last).norm();
+        for (int i = 0; i < steps; ++i) ASSERT_NEAR(length[static_cast<std::size_t>(i)] / whole, 1.0 * i / steps, 0.06);
+    }
+}
+
 TEST_F(RealFiles, TheRestIsRefusedWithAReason) {
     const std::map<std::string, std::string> expected = {
-        {"apt/aptos_multest.apt", "NC0204"},      {"apt/catia_demo3.aptsource", "NC0406"},
-        {"apt/nurbs_nx.clsf", "NC0405"},          {"linuxcnc/diffuser_fin2_finishing_4ax.ngc", "NC0006"},
-        {"heidenhain/dmc100_tnc_in.h", "NC0004"}, {"haas/umc750_final_toolpath_in.nc", "NC0004"},
+        {"apt/aptos_multest.apt", "NC0204"},
+        {"apt/catia_demo3.aptsource", "NC0404"},
+        {"linuxcnc/diffuser_fin2_finishing_4ax.ngc", "NC0006"},
+        {"heidenhain/dmc100_tnc_in.h", "NC0708"},
+        {"haas/umc750_final_toolpath_in.nc", "NC0827"},
         {"additive/ring_bc.gcode", "NC0306"},
     };
     for (const auto& [file, code] : expected) {

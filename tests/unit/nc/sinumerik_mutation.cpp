@@ -21,12 +21,24 @@ constexpr std::string_view seeds[] = {
     "G0 X0 Y0 Z50\nCYCLE800(0,\"T\",0,57,1,2,3,30,20,10,4,5,6,-1)\nX1 Y2\nZ3\nG1 Z2 F60\nTRANS "
     "X3\nX1\nTRANS\nCYCLE800(1,\"T\",1,64,0,0,0,"
     "3,9,0,0,0,0,1)\nG0 X1 Y2 Z3\nCYCLE800()\nG53 X1 D0\nB5 C9\nX9 Y9 Z9\nFGROUP(X,Y,Z,B)\nG1 X9 B9\n",
+    "G71 G64 G90 G0 X0 Y0 Z0 B0 C0\nG1 F600\nBSPLINE SD=3\nX10 PL=0\nX20 Y10 PL=2 PW=.5\nM8 X30 Z5 PL=4\nX40 B3 "
+    "PL=1\nX50 "
+    "PL=0\nM9\nSD=2 G1 X60\nPOLY PO[X]=(10,1,0.5) PO[Y]=(4) Z=PO(-2,0,0,0.25) PL=2\nPO[X]=(0,-10) PO[Y]=(10) "
+    "PO[]=(2,1)\nPO[B]=(10,2) X5 PL=3\nG91 BSPLINE X1\nX2 Y1\nX1\n",
+    "G71 TRAORI\nG0 X0 Y0 Z0 B0 C0\nG1 F600 A3=0 B3=0 C3=1\nBSPLINE SD=2 X10\nX20 A3=1 C3=1\nORICURVE\nG1 X1 Y0 XH=1 "
+    "YH=0 "
+    "ZH=50\nBSPLINE SD=3\nX10 XH=10 ZH=50 PL=0\nX20 XH=30 PL=10\nX30 XH=50 YH=5 PL=0\nG1 X35\nPOLY PO[X]=(41,2) "
+    "PO[XH]=(51,4,1) YH=3 ZH=50\nORIVECT G1 A3=1 X3\n",
 };
-constexpr std::string_view pieces[] = {
-    "(",  ")",     ",",    "\n",        "=",     "-",     "X",      "G91",    "G53 ",   "TRAORI",
-    "B5", "1e9",   "99",   ".",         " ",     "G2 ",   "CT ",    "G18",    "SUPA ",  "AROT Y45",
-    "D0", "T3 M6", "A3=1", "G55",       "AC(1)", "IC(1)", "MCALL ", "G70",    "TRANS ", "SCALE X1EX99",
-    "F1", "\xff",  "0",    "TRAFOOF\n", "G500",  "G95",   "1EX300", "TURN=3", "M30",    "CYCLE800()\n"};
+constexpr std::string_view pieces[] = {"(",      ")",        ",",      "\n",           "=",           "-",
+                                       "X",      "G91",      "G53 ",   "TRAORI",       "B5",          "1e9",
+                                       "99",     ".",        " ",      "G2 ",          "CT ",         "G18",
+                                       "SUPA ",  "AROT Y45", "D0",     "T3 M6",        "A3=1",        "G55",
+                                       "AC(1)",  "IC(1)",    "MCALL ", "G70",          "TRANS ",      "SCALE X1EX99",
+                                       "F1",     "\xff",     "0",      "TRAFOOF\n",    "G500",        "G95",
+                                       "1EX300", "TURN=3",   "M30",    "CYCLE800()\n", "BSPLINE ",    "PL=0 ",
+                                       "PW=.2 ", "SD=1 ",    "POLY ",  "PO[X]=(1,2) ", "PO[]=(2,1) ", "ORICURVE ",
+                                       "XH=1 "};
 
 std::string mutated(std::string text, Random& random) {
     for (std::size_t changes = 1 + random.below(4); changes > 0; --changes) {

@@ -47,10 +47,10 @@ TEST(SinumerikVectors, Refused) {
         {"ORIEULER\nX1 A3=1 B2=1", "NC0617"},
         {"X1 A3=0 B3=0 C3=0", "NC0618"},
         {"SCALE X2\nX1 A3=1 C3=1", "NC0620"},
-        {"X1 LEAD=5 TILT=3", "NC0601"},
-        {"X1 A4=1 B4=0 C4=0", "NC0601"},
+        {"X1 LEAD=5 TILT=3", "NC0638"},
+        {"X1 A4=1 B4=0 C4=0", "NC0638"},
         {"TRAORI(1,0,1,0)\nX1", "NC0617"},
-        {"ORICURVE", "NC0601"},
+        {"ORIRESET(0)", "NC0601"},
     };
     for (const auto& [blocks, code] : cases)
         EXPECT_TRUE(moves_under_traori(blocks).contains(code)) << blocks << moves_under_traori(blocks);

@@ -6,11 +6,14 @@
 
 #include "trunnion/program/program.hpp"
 
+#include "curves.hpp"
+
 namespace trunnion::nc {
 
 /// What every program keeps that is read, whatever the text was.
 inline void expect_sound(const program::Program& p) {
     ASSERT_GE(p.moves.size(), 2u);
+    expect_sound_curves(p);
     ASSERT_TRUE(p.moves[0].position_mm.allFinite());
     ASSERT_EQ(p.moves[0].arc, program::no_arc);
     for (const program::Arc& arc : p.arcs) {

@@ -33,8 +33,8 @@ struct ReadOptions {
     const machine::Machine* machine =
         nullptr;                        ///< rotary words and words of one control need it; read only while reading
     bool feed_given_elsewhere = false;  ///< a missing feed is no error: such moves get the value 0
-    /// sinumerik: lines that jumps, loops and subprograms may carry out beyond the text once, about 1 µs each; more is
-    /// a program without an end (NC0542).
+    /// Lines that jumps, loops and subprograms may carry out beyond the text once, about 1 µs each; more is a program
+    /// without an end (NC0338, NC0542, NC0743; fanuc: see docs/dialects.md).
     std::int64_t most_repeated_lines = 5'000'000;
 };
 
@@ -60,12 +60,18 @@ Result<Dialect> recognise(std::string_view text);
 /// are of the workpiece under TRAORI and in planes of CYCLE800, else untransformed; of the machine axes in a block with
 /// SUPA. F as in rs274; a pure rotation counts at FGREF's radius, 1 mm for 1 degree. Frames and drilling cycles are
 /// carried out. docs/dialects.md lists every word.
+/// heidenhain: law rotary by rotary words, law vector by TX TY TZ and in tilted planes. Linear words are of the
+/// workpiece under M128 and FUNCTION TCPM and in tilted planes, else untransformed; of the machine axes with M91.
+/// fanuc: law rotary, law vector under G43.5 and in planes of G68.2 with G53.1. Linear words are of the workpiece under
+/// G43.4, G43.5 and G234, else untransformed; of the machine axes with G53. F as in rs274.
+/// Curves that a program gives (BSPLINE, POLY, NURBS) stay curves: one move for each span of knots.
 ///
 /// `file_name` is used for diagnostics and for the name of the program. Cost: one pass, about 1 µs a block; the memory
 /// of the moves. Errors: src/nc/README.md lists all codes.
 Result<program::Program> read_program(std::string_view text, std::string_view file_name, const ReadOptions& options);
 
-/// The same for a file. Errors: also NC0001 not readable, NC0008 larger than 2 GB.
+/// The same for a file; one that starts as a gzip archive is inflated first. Errors: also NC0001 not readable, NC0008
+/// larger than 2 GB, packed or not, NC0009 a damaged archive.
 Result<program::Program> read_program_file(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace trunnion::nc
