@@ -11,6 +11,9 @@ enum ExitStatus : int { done = 0, not_usable = 1, bad_input = 2, own_fault = 3, 
 void add_plan_command(CLI::App& app, int& status);
 void add_check_command(CLI::App& app, int& status);
 void add_predict_command(CLI::App& app, int& status);
+void add_convert_command(CLI::App& app, int& status);
+void add_smooth_command(CLI::App& app, int& status);
+void add_report_command(CLI::App& app, int& status);
 void add_machine_command(CLI::App& app, int& status);
 void add_controller_command(CLI::App& app, int& status);
 

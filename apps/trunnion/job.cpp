@@ -21,7 +21,7 @@ void JobOptions::add_to(CLI::App& command) {
     command.add_option("--units", units, "overrides the unit that the program states")
         ->check(CLI::IsMember({"mm", "inch"}));
     command.add_option("--dialect", dialect, "instead of recognising it by content")
-        ->check(CLI::IsMember({"apt", "rs274", "sinumerik"}));
+        ->check(CLI::IsMember(dialect_names));
     command.add_option("--tip-tolerance", tip_tolerance, "of the controlled point")->capture_default_str();
     command.add_option("--orientation-tolerance", orientation_tolerance, "of the tool axis")->capture_default_str();
     command.add_option("--flank-tolerance", flank_tolerance, "of the point at the flank height, instead of an angle");

@@ -13,6 +13,9 @@
 
 namespace trunnion::app {
 
+/// Dialects that are read and written.
+inline const std::vector<std::string> dialect_names{"apt", "rs274", "sinumerik", "heidenhain", "fanuc"};
+
 /// What the command line says about program, machine and tolerances, as text.
 struct JobOptions {
     std::string program, machine, setup, units, dialect;

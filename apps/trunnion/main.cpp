@@ -17,6 +17,9 @@ int run(int argc, char** argv) {
     add_plan_command(app, status);
     add_check_command(app, status);
     add_predict_command(app, status);
+    add_convert_command(app, status);
+    add_smooth_command(app, status);
+    add_report_command(app, status);
     add_machine_command(app, status);
     add_controller_command(app, status);
     try {

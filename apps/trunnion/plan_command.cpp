@@ -3,7 +3,6 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/plan_files.hpp"
@@ -12,6 +11,7 @@
 
 #include "commands.hpp"
 #include "job.hpp"
+#include "progress_line.hpp"
 
 namespace trunnion::app {
 
@@ -22,28 +22,6 @@ volatile std::sig_atomic_t stop_wanted = 0;
 struct PlanCommand {
     JobOptions job;
     std::string setpoints, summary, path, programmed, events;
-};
-
-/// The share done, on a terminal: one line, written anew with every percent and wiped at the end.
-class ProgressLine {
-  public:
-    explicit ProgressLine(bool visible) : visible_(visible) {}
-    ~ProgressLine() {
-        if (shown_ >= 0) fmt::print(stderr, "\r{:<16}\r", "");
-    }
-    ProgressLine(const ProgressLine&) = delete;
-    ProgressLine& operator=(const ProgressLine&) = delete;
-
-    void show(double share) {
-        const int percent = static_cast<int>(100 * share);
-        if (!visible_ || percent == shown_) return;
-        shown_ = percent;
-        fmt::print(stderr, "\r{:3} % planned", percent);
-    }
-
-  private:
-    bool visible_;
-    int shown_ = -1;
 };
 
 Result<void> write_programmed(const PlanCommand& command, const Job& job) {
@@ -60,7 +38,7 @@ Result<pipeline::Summary> run(const PlanCommand& command) {
     auto job = load(command.job);
     if (!job) return fail(job.error());
     job->options.path_samples = !command.path.empty();
-    ProgressLine progress(!command.job.quiet && isatty(STDERR_FILENO) != 0);
+    ProgressLine progress(command.job.quiet);
     auto files = pipeline::PlanFiles::create({command.setpoints, command.path, command.events}, job->machine,
                                              [&progress](double share) {
                                                  progress.show(share);

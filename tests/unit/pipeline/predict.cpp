@@ -10,7 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "trunnion/base/quantity.hpp"
 #include "trunnion/files/controller_file.hpp"
+#include "trunnion/files/setup_file.hpp"
 
 #include "planned.hpp"
 
@@ -50,6 +52,7 @@ TEST(Predict, IdealIsOurOwnPlan) {
     EXPECT_EQ(ideal.rapid_time_s, planned->rapid_time_s);
     EXPECT_EQ(ideal.dwell_time_s, 0.5);
     EXPECT_EQ(ideal.feed_drops.size(), planned->feed_drops.size());
+    EXPECT_EQ(ideal.axes[0].jerk_ratio, planned->axes[0].jerk_ratio);
     EXPECT_EQ(rows, planned->setpoints - 1);
     double lines = 0;
     for (const auto& line : ideal.lines) lines += line.duration_s;
@@ -87,6 +90,42 @@ TEST(Predict, FeedAndOverrideCountForEveryController) {
     }
 }
 
+/// What a newcomer sees: full feed on the way in and out, next to nothing at the blend's ends, where A has to turn.
+TEST(Predict, TheExampleOfTheBlend) {
+    const std::filesystem::path folder = TRUNNION_SOURCE_DIR "/examples/04_prediction";
+    const auto machine = files::read_machine_file(TRUNNION_SOURCE_DIR "/data/machines/ucp710.toml").value();
+    const auto setup = files::read_setup_file(folder / "blend_setup.toml").value();
+    nc::ReadOptions reading;
+    reading.machine = &machine;
+    const auto program = nc::read_program_file(folder / "blend.cls", reading);
+    ASSERT_TRUE(program) << to_string(program.error());
+    PredictionOptions options;
+    options.contact_lead_rad = 5 * degree;
+    double fastest = 0, apart = 1;
+    const auto paper = predict(*program, machine, setup, shipped("lavernhe-2006"), options, [&](const auto& row) {
+        fastest = std::max(fastest, row.tip_feed_mm_s);
+        if (row.tip_feed_mm_s > 1) apart = std::min(apart, row.contact_feed_mm_s / row.tip_feed_mm_s);
+    });
+    ASSERT_TRUE(paper) << to_string(paper.error());
+    EXPECT_NEAR(fastest, 5000.0 / 60, 1e-6);
+    EXPECT_LT(apart, 0.85);  // on the blend the tip is faster than the contact, theory 24 % on a circle
+    for (const auto& axis : paper->axes) {
+        const bool moves = axis.letter == 'Y' || axis.letter == 'Z' || axis.letter == 'A';
+        EXPECT_EQ(axis.velocity_ratio > 1e-6, moves) << axis.letter;
+        EXPECT_TRUE(axis.letter != 'A' || axis.velocity_ratio > 0.99);
+        EXPECT_LE(axis.jerk_ratio, 1 + 1e-9) << axis.letter;
+    }
+    ASSERT_FALSE(paper->feed_drops.empty());
+    EXPECT_LT(paper->feed_drops.front().feed_min_mm_s, 0.05 * 5000 / 60);
+    EXPECT_GT(paper->uncertainty_s, 0);
+    const auto old = files::read_controller_file(folder / "old_control.toml").value();
+    const auto nineties = predict(*program, machine, setup, old, options);
+    ASSERT_TRUE(nineties) << to_string(nineties.error());
+    EXPECT_TRUE(std::isnan(nineties->axes[0].jerk_ratio));  // trapezoids
+    const auto cam = predict(*program, machine, setup, shipped("length-over-feed"), options);
+    EXPECT_GT(nineties->cycle_time_s, cam->cycle_time_s);
+}
+
 TEST(Predict, DifferencesAreByLine) {
     const Job job;
     const auto paper = job.predicted("lavernhe-2006"), cam = job.predicted("length-over-feed");
@@ -111,6 +150,8 @@ TEST(Predict, JsonHasTheNamesOfTheInterfaces) {
                 json["cut_time_s"].get<double>() + json["rapid_time_s"].get<double>() + 0.5, 1e-9);
     EXPECT_EQ(json["axes"].size(), 5u);
     EXPECT_GT(json["axes"]["X"]["velocity_ratio"].get<double>(), 0);
+    EXPECT_GT(json["axes"]["X"]["jerk_ratio"].get<double>(), 0);
+    EXPECT_TRUE(nlohmann::json::parse(to_json(cam, job.machine, {}))["axes"]["X"]["jerk_ratio"].is_null());
     EXPECT_GT(json["feed_drops"].size(), 0u);
     EXPECT_FALSE(json["feed_drops"][0]["cause"].get<std::string>().empty());
     EXPECT_EQ(json["against"]["controller"], cam.controller);

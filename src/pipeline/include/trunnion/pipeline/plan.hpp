@@ -30,9 +30,18 @@ struct EventRow {
     const program::Event* event = nullptr;
 };
 
+/// What holds the speed down at a setpoint.
+struct SetpointLimit {
+    double programmed_feed_mm_s = 0;  ///< of the tip in the workpiece, overrides counted; infinite: nothing programmed
+    feed::Cause cause;
+    bool rapid = false;
+};
+
 /// Takes the results as they come, on the thread that called plan(). Every function may be left as it is.
 struct PlanObserver {
     virtual ~PlanObserver() = default;
+    /// Comes right before its setpoint, where PlanOptions::setpoint_limits asks for it; not for rows of standstill.
+    virtual void setpoint_limit(const SetpointLimit&) {}
     virtual void setpoint(const motion::Setpoint&) {}
     virtual void path_sample(const PathSample&) {}
     virtual void event(const EventRow&) {}

@@ -14,6 +14,7 @@ struct PlanOptions {
     double feed_override = 1;         ///< any value > 0
     std::optional<double> feed_mm_s;  ///< replaces the programmed feeds
     bool path_samples = false;        ///< whether the observer wants them
+    bool setpoint_limits = false;     ///< whether the observer wants them
     /// 1, or 2: the geometry is made on a second thread, ahead of the speed. The results are the same bits.
     int threads = 1;
     /// Whether to find out what more of each limit would be worth (Summary::worth): plans again without setpoints, once
