@@ -98,6 +98,7 @@ std::vector<std::string> block_controllers() {
         const auto read = files::read_controller_file(entry.path());
         if (!read || read->kind == motion::ControllerKind::blocks) out.push_back(entry.path().string());
     }
+    out.emplace_back(TRUNNION_SOURCE_DIR "/examples/04_prediction/old_control.toml");
     std::ranges::sort(out);
     return out;
 }
@@ -137,16 +138,18 @@ class ControllerLaws : public testing::TestWithParam<std::string> {
         return prediction ? prediction->cycle_time_s : 0;
     }
 
-    /// The shipped one with every part of the model at work.
+    /// The controller of the file with every part of the model at work.
     Controller with(const Variant& variant) const {
         Controller out = shipped;
         out.profile.way = variant.profile;
         out.transition.way = variant.transition;
         out.axis_set_change.way = variant.axis_set;
+        if (!out[ParameterId::jerk_share].given) out[ParameterId::jerk_share].value = 1;
         out[ParameterId::velocity_step].value = 5;
         out[ParameterId::rotary_velocity_step].value = 5 * degree;
         out[ParameterId::rounding_tolerance].value = 0.02;
         out[ParameterId::curvature_jump_share].value = 0.5;
+        out[ParameterId::look_ahead_blocks].value = 10;
         out[ParameterId::look_ahead_distance].value = 80;
         out[ParameterId::block_preparation].value = 2e-3;
         out[ParameterId::block_buffer].value = 5;
