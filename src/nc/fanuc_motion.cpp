@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "detail/fanuc_reader.hpp"
+#include "detail/same_place.hpp"
 
 namespace trunnion::nc::fanuc {
 
@@ -20,25 +21,6 @@ constexpr double same_angle_rad = 1e-9;
 constexpr double smallest_vector = 1e-12;
 constexpr double pitch_tolerance = 0.1;  ///< turns: by how much the pitch of a helix may miss a whole number
 constexpr std::string_view linear_letters = "XYZ", centre_letters = "IJK";
-
-bool same(double a, double b) {
-    return a == b || (std::isnan(a) && std::isnan(b));
-}
-
-/// Nothing moves between the two: coordinates that are not known stay as they are.
-bool same_place(const Move& before, const Move& move) {
-    const bool comparable = before.space == move.space && before.offset == move.offset &&
-                            (before.tool == move.tool || move.space == Space::machine);
-    for (Eigen::Index i = 0; i < 3; ++i)
-        if (!std::isnan(move.position_mm[i]) && !(comparable && before.position_mm[i] == move.position_mm[i]))
-            return false;
-    if (move.law == OrientationLaw::vector) return before.law == move.law && comparable && before.axis == move.axis;
-    for (std::size_t i = 0; i < move.rotary_rad.size(); ++i) {
-        const double stood = before.law == OrientationLaw::rotary ? before.rotary_rad[i] : unknown;
-        if (!std::isnan(move.rotary_rad[i]) && !same(stood, move.rotary_rad[i])) return false;
-    }
-    return true;
-}
 
 bool is_circle(Meaning motion) {
     return motion == Meaning::clockwise || motion == Meaning::counter_clockwise;

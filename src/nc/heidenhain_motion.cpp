@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "detail/heidenhain_reader.hpp"
+#include "detail/same_place.hpp"
 
 namespace trunnion::nc::heidenhain {
 
@@ -19,25 +20,6 @@ constexpr double still_mm = 1e-7;  ///< coordinates that change less make a bloc
 constexpr double smallest_vector = 1e-12;
 constexpr double whole_turn = 360;  ///< degrees, as words count
 constexpr std::uint32_t position_words = Addresses::bits(Address::x, Address::rotary_3);
-
-bool same(double a, double b) {
-    return a == b || (std::isnan(a) && std::isnan(b));
-}
-
-/// Nothing moves between the two: coordinates that are not known stay as they are.
-bool same_place(const Move& before, const Move& move) {
-    const bool comparable = before.space == move.space && before.offset == move.offset &&
-                            (before.tool == move.tool || move.space == Space::machine);
-    for (Eigen::Index i = 0; i < 3; ++i)
-        if (!std::isnan(move.position_mm[i]) && !(comparable && before.position_mm[i] == move.position_mm[i]))
-            return false;
-    if (move.law == OrientationLaw::vector) return before.law == move.law && comparable && before.axis == move.axis;
-    for (std::size_t i = 0; i < move.rotary_rad.size(); ++i) {
-        const double stood = before.law == OrientationLaw::rotary ? before.rotary_rad[i] : unknown;
-        if (!std::isnan(move.rotary_rad[i]) && !same(stood, move.rotary_rad[i])) return false;
-    }
-    return true;
-}
 
 /// Of the way along a circle or helix from a place on it.
 double square_of_length(const program::Arc& arc, const Vector3d& from, const Vector3d& step) {

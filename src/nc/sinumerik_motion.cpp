@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "detail/arcs.hpp"
+#include "detail/same_place.hpp"
 #include "detail/sinumerik_reader.hpp"
 
 namespace trunnion::nc::sinumerik {
@@ -18,25 +19,6 @@ namespace {
 
 constexpr double still_mm = 1e-7;      ///< coordinates that change less make a block a pure rotation
 constexpr double straight_rad = 1e-9;  ///< a tangential circle that leaves its tangent by less is a line
-
-bool same(double a, double b) {
-    return a == b || (std::isnan(a) && std::isnan(b));
-}
-
-/// Nothing moves between the two: coordinates that are not known stay as they are.
-bool same_place(const Move& before, const Move& move) {
-    const bool comparable = before.space == move.space && before.offset == move.offset &&
-                            (before.tool == move.tool || move.space == Space::machine);
-    for (Eigen::Index i = 0; i < 3; ++i)
-        if (!std::isnan(move.position_mm[i]) && !(comparable && before.position_mm[i] == move.position_mm[i]))
-            return false;
-    if (move.law == OrientationLaw::vector) return before.law == move.law && comparable && before.axis == move.axis;
-    for (std::size_t i = 0; i < move.rotary_rad.size(); ++i) {
-        const double stood = before.law == OrientationLaw::rotary ? before.rotary_rad[i] : unknown;
-        if (!std::isnan(move.rotary_rad[i]) && !same(stood, move.rotary_rad[i])) return false;
-    }
-    return true;
-}
 
 bool is_circle(Meaning motion) {
     return motion == Meaning::clockwise || motion == Meaning::counter_clockwise;

@@ -36,14 +36,17 @@ TEST(SinumerikRecognised, ByAWordThatOnlyItHas) {
 }
 
 TEST(SinumerikRecognised, NotByWhatOthersHaveToo) {
-    for (const std::string_view text :
-         {"%\nG0 X0\n", "(TRAORI)\nG0 X0\n", "G0 X0 ; TRAORI\n", "#1=5\nG0 X0\n", "#<a>=5\n",
-          "O100 SUB\nO100 CALL [1]\n", "G0 X1 (SUPA) Y2\n", "N10 G0 X0\nG43.4 H1\n",
-          "G28\nSET_GCODE_OFFSET Z=0.1\nG1 X1\n", "G154 P1\nG187 P2\n", "G17 G40 G49 G80 G90\n", "M98 P1\n",
-          "N5 IF [#1 EQ 2] GOTO 10\n"}) {
+    for (const std::string_view text : {"%\nG0 X0\n", "(TRAORI)\nG0 X0\n", "G0 X0 ; TRAORI\n", "#1=5\nG0 X0\n",
+                                        "#<a>=5\n", "O100 SUB\nO100 CALL [1]\n", "G0 X1 (SUPA) Y2\n",
+                                        "G28\nSET_GCODE_OFFSET Z=0.1\nG1 X1\n", "G17 G40 G49 G80 G90\n", "M98 P1\n"}) {
         const auto dialect = recognise(text);
         ASSERT_TRUE(dialect) << text;
-        EXPECT_NE(*dialect, Dialect::sinumerik) << text;
+        EXPECT_EQ(*dialect, Dialect::rs274) << text;
+    }
+    for (const std::string_view text : {"N10 G0 X0\nG43.4 H1\n", "G154 P1\nG187 P2\n", "N5 IF [#1 EQ 2] GOTO 10\n"}) {
+        const auto dialect = recognise(text);
+        ASSERT_TRUE(dialect) << text;
+        EXPECT_EQ(*dialect, Dialect::fanuc) << text;
     }
     const std::string late = [] {
         std::string text;
