@@ -44,8 +44,11 @@ void go(std::vector<Stop>& stops, bool feed, const Vector3d& place_mm) {
 }
 
 /// Where the straight moves of the interpreter end, with the shifts that it prints apart. It starts in inches.
+/// It keeps its tool table in the home folder and empties it at its start, under the feet of any other that runs: each
+/// has the program's folder for its home.
 std::vector<Stop> by_linuxcnc(const fs::path& program) {
-    const std::string command = std::string(interpreter) + " -g " + program.string() + " 2>/dev/null";
+    const std::string command =
+        fmt::format("HOME={} {} -g {} 2>/dev/null", program.parent_path().string(), interpreter, program.string());
     const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
     std::vector<Stop> stops;
     Vector3d offset_mm = Vector3d::Zero(), shift_mm = Vector3d::Zero();
