@@ -6,7 +6,8 @@
 #                                                 clang-format, gcovr
 set -euo pipefail
 packages=(g++ cmake ninja-build ccache pkg-config zlib1g-dev libeigen3-dev libfmt-dev libtomlplusplus-dev libcli11-dev
-          nlohmann-json3-dev libgtest-dev libbenchmark-dev coinor-libclp-dev python3 python3-numpy)
+          nlohmann-json3-dev libgtest-dev libbenchmark-dev coinor-libclp-dev python3 python3-numpy
+          libceres-dev libocct-data-exchange-dev)
 developer=(clang-19 libclang-rt-19-dev clang-tidy-19 clang-format-19 gcovr)
 for option in "$@"; do
   case $option in --developer) packages+=("${developer[@]}" chromium) ;; --browser) packages+=(chromium) ;; esac

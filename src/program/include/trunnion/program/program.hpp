@@ -148,6 +148,11 @@ struct Program {
     std::vector<Arc> arcs;
     std::vector<Curve> curves;
     std::vector<CurvePart> curve_parts;
+    /// Axes that go along without shaping the motion (extruder E, laser power): in proportion to the way of their move.
+    std::vector<char> following_letters;
+    /// Where they are at the end of every move, row by row: moves.size() × following_letters.size(). Lengths in mm, the
+    /// rest as written; running totals, whatever the program set to 0 on its way.
+    std::vector<double> following;
     std::vector<Event> events;
     std::vector<PathControl> path_controls;  ///< words of path control, in order; rs274 only
     std::vector<Diagnostic> diagnostics;     ///< warnings, each once with its count
