@@ -70,7 +70,8 @@ std::expected<Followed, detail::Lost> follow_beside_pole(const machine::Kinemati
     const double middle = 0.5 * (from + to);
     const Followed at_middle = after(middle, at_from), at_end = after(to, at_middle);
     if (!is_reached(to)) return std::unexpected(detail::Lost{detail::Lost::Why::out_of_reach, to});
-    if (continues(at_from, at_middle) && continues(at_middle, at_end)) {
+    if (continues(at_from, at_middle) && continues(at_middle, at_end) &&
+        piece.turn_bound_rad(from, to) < station_turn_rad) {
         on_station(to, at_end);
         return at_end;
     }

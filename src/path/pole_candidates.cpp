@@ -70,13 +70,13 @@ class Lengths {
         while (block < blocks_.size() && !blocks_[block].begins_at_rest) ++block;
         return block;
     }
-    /// sin of the angle between tool axis and pole at a place on the blocks of a run.
-    double tilt(double at_mm, std::size_t first, std::size_t end, const Eigen::Vector3d& pole) const {
+    /// The part of the tool axis beside a pole at a place on the blocks of a run.
+    Eigen::Vector3d beside(double at_mm, std::size_t first, std::size_t end, const Eigen::Vector3d& pole) const {
         const auto after = std::upper_bound(begin_mm_.begin() + static_cast<std::ptrdiff_t>(first) + 1,
                                             begin_mm_.begin() + static_cast<std::ptrdiff_t>(end), at_mm);
         const std::size_t block = static_cast<std::size_t>(after - begin_mm_.begin()) - 1;
         const double share = std::clamp((at_mm - begin_mm_[block]) / blocks_[block].length_mm, 0.0, 1.0);
-        return beside_pole(geometry::slerp(blocks_[block].from, blocks_[block].to, share), pole).norm();
+        return beside_pole(geometry::slerp(blocks_[block].from, blocks_[block].to, share), pole);
     }
 
   private:
@@ -98,13 +98,15 @@ Stretch own_stretch(const Lengths& lengths, std::span<const Passage> passages, s
     return out;
 }
 
-/// Whether the tool gets well away from the pole on both sides: else it wanders about there and a shift calms nothing.
-bool comes_and_goes(const Lengths& lengths, const Passage& passage, const Stretch& stretch) {
+/// Whether the tool goes by the pole and gets well away from it on both sides. Else it wanders about there, or turns
+/// back, and a shift calms nothing: led to the pole, the free axis would have to turn half round at one place.
+bool goes_past(const Lengths& lengths, const Passage& passage, const Stretch& stretch) {
     const double here = lengths.place(passage);
     if (here - stretch.begin_mm < least_reach_mm || stretch.end_mm - here < least_reach_mm) return false;
     const double enough = std::max(least_tilts * passage.nearest.distance(), least_tilt);
-    return lengths.tilt(stretch.begin_mm, stretch.first, stretch.end, passage.pole) >= enough &&
-           lengths.tilt(stretch.end_mm, stretch.first, stretch.end, passage.pole) >= enough;
+    const Eigen::Vector3d coming = lengths.beside(stretch.begin_mm, stretch.first, stretch.end, passage.pole),
+                          going = lengths.beside(stretch.end_mm, stretch.first, stretch.end, passage.pole);
+    return coming.norm() >= enough && going.norm() >= enough && coming.dot(going) < 0;
 }
 
 }  // namespace
@@ -124,7 +126,7 @@ std::vector<PoleCandidate> pole_candidates(std::span<const VectorBlock> blocks, 
     for (std::size_t k = 0; k < passages.size(); ++k) {
         const Passage& passage = passages[k];
         const Stretch stretch = own_stretch(lengths, passages, k);
-        if (passage.block < taken || !comes_and_goes(lengths, passage, stretch)) continue;
+        if (passage.block < taken || !goes_past(lengths, passage, stretch)) continue;
         std::size_t first = passage.block, last = passage.block;
         while (first > std::max(stretch.first, taken) && lengths.begin(first) > stretch.begin_mm) --first;
         while (last + 1 < stretch.end && lengths.begin(last + 1) < stretch.end_mm) ++last;

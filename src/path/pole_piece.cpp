@@ -1,6 +1,9 @@
 #include "detail/pole_piece.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include <Eigen/Geometry>
 
@@ -22,6 +25,24 @@ std::array<double, 8> counted_from_end(std::array<double, 8> c) {
     for (int from = 0; from < 7; ++from)
         for (int i = 6; i >= from; --i) c[i] += c[i + 1];
     return c;
+}
+
+/// Bernstein coefficients over [from, to] of a polynomial given by powers (Farin, Curves and Surfaces for CAGD, ch. 5).
+std::array<double, 7> bernstein(std::array<double, 7> c, double from, double to) {
+    for (int low = 0; low < 6; ++low)
+        for (int i = 5; i >= low; --i) c[i] += from * c[i + 1];
+    double power = 1;
+    std::array<double, 7> out{};
+    constexpr std::array<double, 7> of_six{1, 6, 15, 20, 15, 6, 1};
+    for (std::size_t i = 0; i < 7; ++i, power *= to - from) c[i] *= power / of_six[i];
+    for (std::size_t j = 0; j < 7; ++j) {
+        double of_j = 1;  // j over i
+        for (std::size_t i = 0; i <= j; ++i) {
+            out[j] += of_j * c[i];
+            of_j *= static_cast<double>(j - i) / static_cast<double>(i + 1);
+        }
+    }
+    return out;
 }
 
 template <std::size_t n>
@@ -100,6 +121,21 @@ RotarySeries PolePiece::rotary(const Kinematics& kinematics, double offset_mm,
     }
     out[free] += turn;
     return out;
+}
+
+double PolePiece::turn_bound_rad(double from_mm, double to_mm) const noexcept {
+    const double from = (from_mm - from_mm_) / length_mm_, to = (to_mm - from_mm_) / length_mm_;
+    const auto along = bernstein(along_, from, to), across = bernstein(across_, from, to);
+    const double towards = std::accumulate(along.begin(), along.end(), 0.0),
+                 aside = std::accumulate(across.begin(), across.end(), 0.0);
+    double least = 0, most = 0;
+    for (std::size_t i = 0; i < along.size(); ++i) {
+        const double ahead = along[i] * towards + across[i] * aside, left = across[i] * towards - along[i] * aside;
+        if (!(ahead > 0)) return std::numbers::pi;
+        least = std::min(least, std::atan2(left, ahead));
+        most = std::max(most, std::atan2(left, ahead));
+    }
+    return most - least;
 }
 
 }  // namespace trunnion::path::detail

@@ -326,7 +326,7 @@ bool plan_and_check(std::uint64_t seed, const machine::Machine& machine, bool al
     if (all_kinds) {
         kind.changes = random.chance(0.5);
         kind.arcs = random.chance(0.5);
-        kind.poles = random.chance(0.3) && !curves;
+        kind.poles = random.chance(0.3);
     }
     machine::Setup setup;
     setup.workpiece.origin_mm = {random.between(-50, 50), random.between(-50, 50), random.between(-20, 80)};

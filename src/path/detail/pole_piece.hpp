@@ -28,6 +28,10 @@ class PolePiece {
     machine::RotarySeries rotary(const machine::Kinematics& kinematics, double offset_mm,
                                  const machine::RotaryPosition& near) const noexcept;
 
+    /// A bound on the turn of m about the pole between any two places of a part of the piece, rad: the angle that the
+    /// Bernstein hull of m takes up as seen from the pole; π where that is not less than a right angle on either side.
+    double turn_bound_rad(double from_mm, double to_mm) const noexcept;
+
   private:
     std::size_t index_ = 0;
     double length_mm_ = 0, from_mm_ = 0;  // from_mm_: where the pole is

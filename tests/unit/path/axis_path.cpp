@@ -244,6 +244,30 @@ ToolPath bent_at_pole(const Kinematics& kinematics) {
     return path;
 }
 
+/// (0.002 p (p + 0.0001), 2e-9 p, 1): 0.1 µm before the pole the tool has gone past it already, as near as 2e-13 rad,
+/// and turns back. Within some nanometres of path its direction goes half round; at the ends of the piece nothing is
+/// seen of it, for what is left is a change of the branch.
+TEST(AxisPath, sees_a_turn_in_a_narrow_bend_beside_the_pole) {
+    const auto machine = trunnion_table();
+    const auto kinematics = Kinematics::make(machine, {}, 0);
+    ToolPath tool_path = bent_at_pole(*kinematics);
+    for (PathPiece& piece : tool_path.pieces) {
+        const double begin = piece.begin_mm - 2;
+        piece.coefficient[3] = {0.002 * begin * (begin + 1e-4), 0.004 * (2 * begin + 1e-4), 0.008};
+        piece.coefficient[4] = {2e-9 * begin, 4e-9};
+    }
+    const auto path = AxisPath::make(tool_path, machine, {});
+    ASSERT_TRUE(path) << to_string(path.error());
+    double last = path->position({0, 2 - 3e-4}).v[4];
+    const double first = last;
+    for (int k = -3000; k <= 3000; ++k) {
+        const double p = 1e-7 * k, c = path->position(p < 0 ? PathPlace{0, 2 + p} : PathPlace{1, p}).v[4];
+        ASSERT_LT(std::abs(c - last), 20 * degree) << p;
+        last = c;
+    }
+    EXPECT_GT(std::abs(last - first), 175 * degree);
+}
+
 TEST(AxisPath, turns_on_evenly_at_the_pole_itself) {
     auto inclined = trunnion_table();
     inclined.axes[3].direction = Eigen::Vector3d(1, 0, 1).normalized();

@@ -363,6 +363,22 @@ TEST(RotaryStands, go_around_the_pole_where_ranges_words_or_a_stop_want_it) {
     expect_same(stands_with_tolerance(program, machine, 0.08), stands_with_tolerance(program, machine, 0));
 }
 
+TEST(RotaryStands, are_not_led_to_the_pole_where_the_tool_turns_back_beside_it) {
+    const auto machine = trunnion_table();
+    const auto tilted = [](double x, double tilt_deg, double beside_deg) {
+        const Eigen::Vector3d axis(std::sin(tilt_deg * degree), std::sin(beside_deg * degree), 1);
+        return vector_to(x, 0, 0, axis.normalized());
+    };
+    for (const double least : {-0.01, 0.0, 0.01}) {
+        std::vector<Move> moves;
+        for (int k = 0; k <= 40; ++k) moves.push_back(tilted(k, least + 0.5 * std::abs(k - 20), 0.03));
+        const auto around = stands_with_tolerance(program_of(moves), machine, 0);
+        expect_same(stands_with_tolerance(program_of(moves), machine, 0.08), around);
+        EXPECT_GT(std::abs(around.back().rotary_rad[A]), 5 * degree);
+        EXPECT_NEAR(around.front().rotary_rad[A], around.back().rotary_rad[A], 1e-9) << "no change of the branch";
+    }
+}
+
 TEST(RotaryStands, choose_at_every_passage_by_itself) {
     const auto machine = trunnion_table();
     Program program = program_of(past_pole(10, 0.05));
