@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "trunnion/surfacing/cutter.hpp"
+#include "trunnion/surfacing/plan_surface.hpp"
+
+namespace trunnion::surfacing::detail {
+
+/// A smooth curve on a surface: through places, over s, the length of their polyline in space. In between cubic in (u,
+/// v).
+class Way {
+  public:
+    Way() = default;
+    Way(const geometry::BsplineSurface& surface, std::vector<geometry::SurfacePlace> places);
+
+    const std::vector<geometry::SurfacePlace>& places() const noexcept { return places_; }
+    const std::vector<double>& lengths() const noexcept { return lengths_; }
+    double length() const noexcept { return lengths_.empty() ? 0 : lengths_.back(); }
+
+    geometry::SurfacePlace place(double s) const noexcept;
+    Eigen::Vector2d slope(double s) const noexcept;  ///< (du/ds, dv/ds)
+
+    /// s of the point of the polyline that is nearest to a point.
+    double nearest(const Eigen::Vector3d& point) const noexcept;
+
+    /// The same curve through places at equal distances of about `spacing`.
+    Way resampled(const geometry::BsplineSurface& surface, double spacing) const;
+
+  private:
+    struct Piece;
+    Piece piece_at(double s) const noexcept;
+    Eigen::Vector2d slope_at_node(std::size_t i) const noexcept;
+    std::vector<geometry::SurfacePlace> places_;
+    std::vector<Eigen::Vector3d> points_;
+    std::vector<double> lengths_;
+};
+
+/// A tool on a way.
+struct Station {
+    geometry::SurfacePlace place;
+    geometry::SurfaceShape shape;
+    Eigen::Vector3d along, across;  ///< unit: the way's direction, and normal × along
+    CutterPose pose;
+};
+
+/// What a plan is about.
+struct Job {
+    const Face& face;
+    const Cutter& cutter;
+    const SurfaceOptions& options;
+
+    std::optional<geometry::SurfaceShape> shape(const geometry::SurfacePlace& place) const noexcept {
+        return geometry::shape_at(face.surface, place, face.side);
+    }
+    /// `backwards`: the tool moves against the way's direction. Nothing where the surface has no normal.
+    std::optional<Station> station(const Way& way, double s, bool backwards) const noexcept;
+    /// Ridges are planned that high.
+    double ridge_mm() const noexcept { return options.scallop_mm - options.chord_tolerance_mm; }
+    bool backwards(int index) const noexcept { return options.zigzag && index % 2 != 0; }
+};
+
+}  // namespace trunnion::surfacing::detail

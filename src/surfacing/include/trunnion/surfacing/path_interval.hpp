@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "trunnion/geometry/surface_shape.hpp"
+#include "trunnion/surfacing/cutter.hpp"
+
+namespace trunnion::surfacing {
+
+/// Distance of two neighbouring passes of a flat tool that stands upright on a convex surface, for a scallop of height
+/// h > 0: P = 2R/(R+h) √(2Rh + h²) (Lin & Koren, Eq. 2), R the conjugate radius, mm; infinite for a plane. All mm.
+double flat_interval_mm(double radius_mm, double scallop_mm) noexcept;
+
+/// The largest interval at which a flat of diameter D reaches to where the tangents of neighbouring passes meet: P = 2R
+/// sin(atan(D/2R)), which is D for a plane. Eq. 2 holds up to there: D ≥ P(R + h)/R.
+double flat_reach_mm(double radius_mm, double diameter_mm) noexcept;
+
+/// The same for a body of radius `tool_mm` on a surface of radius `radius_mm` across the feed, positive where convex,
+/// negative where concave, infinite for a plane: the distance of two contacts whose ridge between them is h high, both
+/// circles exact. The largest one where ridges stay below h. Precondition: concave only with −radius > tool.
+double round_interval_mm(double radius_mm, double tool_mm, double scallop_mm) noexcept;
+
+/// How fast tool and surface part from their contact, 1/mm: K_tool + W in the tangent frame. The gap at a small way d
+/// is ½ dᵀMd. Positive definite where the tool fits.
+Eigen::Matrix2d parting(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis) noexcept;
+
+/// Interval of passes with feed ⟂ `across` (unit, tangent frame), mm, for ridges of height `scallop_mm`: with the
+/// conjugate radius of M, nᵀM⁻¹n, across the feed; upright flat and torus tools with their flat part and exact corner.
+/// What remains of the finite size of tilted tools is for whoever measures ridges. At most the tool's diameter.
+/// `by_normal_radius`: with the radius of the normal section instead, as Lin & Koren have it. Precondition: the tool
+/// fits (M positive semidefinite).
+double path_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis,
+                        const Eigen::Vector2d& across, double scallop_mm, bool by_normal_radius = false) noexcept;
+
+/// The interval beyond which the tool's end does not reach the middle between two passes, whatever the scallop: the
+/// tool's diameter, of an upright flat tool flat_reach_mm().
+double longest_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis,
+                           const Eigen::Vector2d& across) noexcept;
+
+}  // namespace trunnion::surfacing
