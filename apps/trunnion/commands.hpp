@@ -13,6 +13,7 @@ void add_check_command(CLI::App& app, int& status);
 void add_predict_command(CLI::App& app, int& status);
 void add_convert_command(CLI::App& app, int& status);
 void add_smooth_command(CLI::App& app, int& status);
+void add_deform_command(CLI::App& app, int& status);
 void add_report_command(CLI::App& app, int& status);
 void add_machine_command(CLI::App& app, int& status);
 void add_controller_command(CLI::App& app, int& status);

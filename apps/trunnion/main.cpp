@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
     add_predict_command(app, status);
     add_convert_command(app, status);
     add_smooth_command(app, status);
+    add_deform_command(app, status);
     add_report_command(app, status);
     add_machine_command(app, status);
     add_controller_command(app, status);
