@@ -8,9 +8,17 @@ import { build } from 'esbuild'
 
 const here = dirname(fileURLToPath(import.meta.url))
 
+// Charts are drawn anew at every step of the zoom, some thousand short strokes each: by the processor in milliseconds, by graphics
+// that are themselves the processor's work in seconds. uPlot asks for its canvas without a word of this.
+const chartsOnProcessor = { name: 'charts-on-processor', setup: of => of.onLoad({ filter: /uPlot\.esm\.js$/ }, ({ path }) => {
+  const asked = 'can.getContext("2d")', parts = readFileSync(path, 'utf8').split(asked)
+  if (parts.length !== 2) throw new Error(`uPlot does not ask once for ${asked}`)
+  return { contents: parts.join('can.getContext("2d", { willReadFrequently: true })'), loader: 'js' }
+}) }
+
 async function bundled(entry, options) {
   const result = await build({ entryPoints: [`${here}/src/${entry}`], absWorkingDir: here, bundle: true, minify: true, write: false,
-    logLevel: 'warning', charset: 'ascii', target: 'es2022', legalComments: 'none', ...options })
+    logLevel: 'warning', charset: 'ascii', target: 'es2022', legalComments: 'none', plugins: [chartsOnProcessor], ...options })
   return result.outputFiles[0].text.trim()
 }
 

@@ -203,7 +203,9 @@ int report_and_tell(const ReportCommand& command) {
 void add_report_command(CLI::App& app, int& status) {
     auto command = std::make_shared<ReportCommand>();
     CLI::App* report = app.add_subcommand("report", "one page for a browser that shows where the time goes");
-    report->add_option("program", command->job.program, "part program: APT CL data, RS-274 (LinuxCNC) or Sinumerik")
+    report
+        ->add_option("program", command->job.program,
+                     "part program: APT CL data, RS-274 (LinuxCNC), Sinumerik, Heidenhain or Fanuc")
         ->required();
     report->add_option("-o,--output", command->page, "the page, one HTML file")->required();
     report->add_option("-c,--controller", command->controller,

@@ -126,7 +126,7 @@ ordered_json content_json(const PageContent& content, detail::Blob& blob) {
 
 /// In pieces, so that a browser can take them one by one and stays at hand meanwhile.
 void write_blob(files::OutputFile& file, const detail::Blob& blob) {
-    constexpr std::size_t piece = 3 * 256 * 1024;
+    constexpr std::size_t piece = 3 * 128 * 1024;
     const std::string bytes = blob.deflated();
     for (std::size_t at = 0; at < bytes.size(); at += piece)
         file.write(fmt::format("<script type=\"application/octet-stream\" class=\"columns\">{}</script>\n",

@@ -109,4 +109,18 @@ void PathThinning::thin_again() {
     }
 }
 
+std::vector<std::int32_t> coarse_places(const std::vector<PathPlace>& places, std::size_t most) {
+    PathThinning thinning(most);
+    for (const PathPlace& place : places) thinning.add(place);
+    thinning.finish();
+    std::vector<std::int32_t> out;
+    out.reserve(thinning.places().size());
+    std::size_t at = 0;
+    for (const PathPlace& kept : thinning.places()) {
+        while (places[at].time_s < kept.time_s) ++at;
+        out.push_back(static_cast<std::int32_t>(at));
+    }
+    return out;
+}
+
 }  // namespace trunnion::report::detail

@@ -28,6 +28,8 @@ namespace {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double per_minute = 60, um = 1000;
+/// What a browser that draws by software turns at 30 pictures a second.
+constexpr std::size_t most_places_in_motion = 3000;
 
 /// What a bucket holds of every axis, and of the tool.
 constexpr std::array axis_quantities{"position", "velocity", "acceleration", "jerk"};
@@ -104,6 +106,8 @@ ordered_json path_json(const std::vector<detail::PathPlace>& places, detail::Blo
     out["line"] = column<std::int32_t>(blob, places, [](const PathPlace& p) { return p.line; });
     out["cause"] = column<std::uint8_t>(blob, places, [](const PathPlace& p) { return p.cause; });
     out["rapid"] = column<std::uint8_t>(blob, places, [](const PathPlace& p) { return p.rapid ? 1 : 0; });
+    const std::vector<std::int32_t> coarse = detail::coarse_places(places, most_places_in_motion);
+    out["coarse"] = place_json(blob.add(std::span<const std::int32_t>(coarse)));
     return out;
 }
 

@@ -14,10 +14,11 @@ export function missing() {
   return ''
 }
 
-export async function openBrowser() {
+/** What draws: by default all of the page goes through SwiftShader. */
+export async function openBrowser(graphics = ['--use-gl=angle', '--use-angle=swiftshader']) {
   const { chromium } = createRequire(`${root}/web/package.json`)('playwright-core')
   return chromium.launch({ executablePath: chromium_path, headless: true,
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-dev-shm-usage', '--font-render-hinting=none'] })
+    args: ['--no-sandbox', ...graphics, '--enable-unsafe-swiftshader', '--disable-dev-shm-usage', '--font-render-hinting=none'] })
 }
 
 /** Ends with the exit status where it is not among those wanted. */

@@ -66,7 +66,7 @@ const tests = {
       const kinds = await page.evaluate(() => {
         const { picture } = window.trunnion, colours = new Set()
         const all = [...picture.drawn.values()][0].path.colours.array
-        for (let i = 0; i < all.length; i += 3) colours.add(`${all[i]},${all[i + 1]},${all[i + 2]}`)
+        for (let i = 0; i < all.length; i += 4) colours.add(`${all[i]},${all[i + 1]},${all[i + 2]}`)
         return colours.size
       })
       assert.ok(kinds >= (name === 'cause' ? 3 : 10), `${name} has ${kinds} colours`)
@@ -185,9 +185,39 @@ async function others(browser) {
   assert.equal(await two.page.locator('[aria-label="Which run the picture shows"] option').count(), 2)
   await two.page.locator('[aria-label="Which run the picture shows"]').selectOption('1')
   assert.equal(await two.page.evaluate(() => window.trunnion.state.run.label), 'Sinumerik 840D as in Lavernhe 2006')
+  assert.equal(await two.page.locator('figure .note').allInnerTexts().then(t => t.join()), 'no jerk in the rows of Sinumerik 840D as in Lavernhe 2006')
   assert.deepEqual(two.faults, [])
   await two.close()
-  console.log('ok   a second run lies over the first')
+  console.log('ok   a second run lies over the first, and a chart says what that run does not know')
+
+  // The same part with half the feed before the change: twice the time, and the same way.
+  const slower = `${folder}/slower.ngc`
+  writeFileSync(slower, readFileSync(blade, 'utf8').replace(/F(\d+)/g, (_, feed) => `F${feed / 2}`))
+  report(trunnion, [blade, ...job, '--before', slower, '-o', `${folder}/before.html`])
+  const both = await openPage(browser, `${folder}/before.html`)
+  const seen = await both.page.evaluate(() => window.trunnion.state.runs.map(run => ({ label: run.label, end_s: run.end_s, way_mm: run.path.way.at(-1) })))
+  assert.deepEqual(seen.map(run => run.label), ['plan', 'before: slower'])
+  assert.ok(Math.abs(seen[0].end_s - summary.cycle_time_s) < 0.01 && seen[1].end_s > 1.1 * seen[0].end_s, JSON.stringify(seen))
+  assert.ok(Math.abs(seen[0].way_mm - seen[1].way_mm) < 1e-3 * seen[0].way_mm, JSON.stringify(seen))
+  assert.match(await both.page.locator('.summary').innerText(), /before: slower/)
+  const drawnLines = await both.page.locator('figure').first().innerText()
+  assert.ok(drawnLines.includes('plan') && drawnLines.includes('before: slower'), drawnLines)
+  await both.page.locator('[aria-label="Which run the picture shows"]').selectOption('1')
+  assert.equal(await both.page.locator('figure .note').count(), 0)
+  assert.deepEqual(both.faults, [])
+  await both.close()
+  console.log('ok   the program as it was before lies over the plan')
+
+  writeFileSync(`${folder}/curves.ngc`, 'G21 G90 G94 G64 P0.01\nG1 X0 Y0 Z0 A0 C0 F1200\nG5 I5 J5 P-5 Q5 X20 Y0\nG1 X30 E5\nG1 X31 E7\nG2 X40 Y9 I0 J9\n')
+  writeFileSync(`${folder}/printer.toml`, readFileSync(`${root}/data/machines/xyzac-trt.toml`, 'utf8').replace('[words]', '[words]\nfollowing = ["E"]'))
+  const curved = report(trunnion, [`${folder}/curves.ngc`, '-m', `${folder}/printer.toml`, '-q', '-o', `${folder}/curves.html`])
+  assert.equal(curved.status, 0, curved.stderr)
+  const bent = await openPage(browser, `${folder}/curves.html`)
+  const highest = await bent.page.evaluate(() => { const { path } = window.trunnion.state.run; let y = 0; for (let i = 0; i < path.count; ++i) if (path.line[i] === 3) y = Math.max(y, path.tip[3 * i + 1]); return y })
+  assert.ok(Math.abs(highest - 3.75) < 0.05, `the curve rises to ${highest} mm`)
+  assert.deepEqual(bent.faults, [])
+  await bent.close()
+  console.log('ok   curves, and words of an axis that follows')
 }
 
 const browser = await openBrowser()

@@ -1,14 +1,16 @@
 // Charts over time or over the tip's way, on one cursor. Whatever the number of rows, a chart gets two points a pixel: the least and
 // the greatest value there.
 import uPlot from 'uplot'
+import { columnsOf, extremes, strokeColumns, valuesIn, type Columns } from './chart_columns'
 import { axisColour } from './colours'
 import type { AxisContent, AxisQuantity, ToolQuantity } from './content'
 import { element, fixed, short } from './element'
-import { upperBound, type Range, type Run } from './run'
+import type { Range, Run } from './run'
 import type { Abscissa, State } from './state'
 
 interface Line { name: string; run: number; beside?: boolean; range: Range; scale: number; colour: string; dash?: number[]; unit: string; rotary?: boolean }
-interface Chart { title: string; unit: string; lines: Line[]; limits: number[]; fromZero: boolean }
+interface Chart { title: string; unit: string; lines: Line[]; limits: number[]; fromZero: boolean; notes: string[] }
+interface Plotted { plot: uPlot; chart: Chart; values: HTMLElement[]; cursor: HTMLElement; shown: Float64Array[] }
 
 const toolCharts: { key: ToolQuantity; name: string; title: string; unit: string }[] = [
   { key: 'feed', name: 'Feed', title: 'Path feed', unit: 'mm/min' },
@@ -24,27 +26,17 @@ const axisCharts: { key: AxisQuantity; name: string; of: (unit: string) => strin
 ]
 const dashes: (number[] | undefined)[] = [undefined, [6, 3], [2, 3], [8, 3, 2, 3]]
 
-/** Least and greatest value between two abscissas, straight between two rows where none lies between; NaN: nothing known. */
-export function extremes(x: Float64Array | Float32Array, range: Range, from: number, to: number): [number, number] {
-  const first = upperBound(x, from), last = upperBound(x, to)
-  let least = Infinity, greatest = -Infinity
-  for (let i = first; i < last; ++i) {
-    if (range.least[i] < least) least = range.least[i]
-    if (range.greatest[i] > greatest) greatest = range.greatest[i]
-  }
-  if (least <= greatest) return [least, greatest]
-  if (first === 0 || first >= x.length) return [NaN, NaN]
-  const step = x[first] - x[first - 1], share = step > 0 ? ((from + to) / 2 - x[first - 1]) / step : 0
-  const mix = (v: Float32Array) => v[first - 1] + (v[first] - v[first - 1]) * share
-  return [mix(range.least), mix(range.greatest)]
-}
+const isKnown = (range: Range) => { const [least, greatest] = extremes(range, 0, range.least.length); return least <= greatest }
+
+const hasTwoScales = (chart: Chart) => chart.lines.some(l => l.rotary) && chart.lines.some(l => !l.rotary)
 
 export class Charts {
   readonly root = element('section', { class: 'charts', 'aria-label': 'Charts' })
   private readonly stack = element('div', { class: 'stack' })
   private readonly shown = new Set<string>(['feed', 'velocity', 'jerk'])
   private readonly axesShown: Set<string>
-  private plots: { plot: uPlot; chart: Chart; values: HTMLElement[] }[] = []
+  private plots: Plotted[] = []
+  private stale: Plotted[] = []
   private moving = false
   private waiting = false
   private readonly resized: ResizeObserver
@@ -92,16 +84,17 @@ export class Charts {
     })
     if (key === 'feed')
       lines.unshift({ name: 'programmed', run: 0, range: this.state.runs[0].tool('programmed'), scale: 1, colour: this.state.get('dark') ? '#8b95a3' : '#8d96a3', dash: [5, 4], unit })
-    return { title, unit, lines, limits: [], fromZero: true }
+    return { title, unit, lines, limits: [], fromZero: true, notes: [] }
   }
 
   /** One axis in its unit, with its limits; several as shares of their limits. */
   private axisChart(key: AxisQuantity, name: string, unitOf: (unit: string) => string): Chart {
     const axes = this.state.content.machine.axes, chosen = axes.filter(a => this.axesShown.has(a.letter))
     const unit = (a: AxisContent) => unitOf(a.rotary ? '°' : 'mm'), asShare = key !== 'position' && chosen.length > 1
-    const limits: Chart['limits'] = [], lines: Line[] = []
+    const limits: Chart['limits'] = [], lines: Line[] = [], silent = this.state.runs.filter(run => !axes.some(a => isKnown(run.axis(a.letter, key))))
     for (const axis of chosen)
       this.state.runs.forEach((run, k) => {
+        if (silent.includes(run)) return
         const limit = key === 'position' ? 1 : axis.limits[key]
         lines.push({ name: axis.letter, run: k, beside: k > 0, range: run.axis(axis.letter, key),
           scale: asShare ? 100 / limit : 1, colour: axisColour(axes.indexOf(axis)), dash: dashes[k % 4],
@@ -110,7 +103,8 @@ export class Charts {
       })
     if (asShare) limits.push(100, -100)
     const label = key === 'position' ? 'mm · °' : asShare ? '% of the limit' : chosen.length ? unit(chosen[0]) : ''
-    return { title: `${chosen.length === 1 ? chosen[0].letter + ' ' : ''}${chosen.length === 1 ? name.toLowerCase() : name}`, unit: label, lines, limits, fromZero: false }
+    return { title: `${chosen.length === 1 ? chosen[0].letter + ' ' : ''}${chosen.length === 1 ? name.toLowerCase() : name}`, unit: label, lines, limits, fromZero: false,
+      notes: silent.map(run => `no ${name.toLowerCase()} in the rows of ${run.label}`) }
   }
 
   private charts(): Chart[] {
@@ -144,8 +138,7 @@ export class Charts {
     const values = chart.lines.map(() => element('b', {}))
     const head = element('header', {}, element('strong', {}, chart.title), element('small', {}, chart.unit),
       ...this.headOf(chart, values))
-    const holder = element('div', { class: 'plot' }), twoScales = chart.lines.some(l => l.rotary) && chart.lines.some(l => !l.rotary)
-    const scaleOf = (line: Line) => line.rotary && twoScales ? 'deg' : 'y'
+    const holder = element('div', { class: 'plot' }), twoScales = hasTwoScales(chart), scaleOf = (line: Line) => line.rotary && twoScales ? 'deg' : 'y'
     const ranged = (_: uPlot, least: number, greatest: number): [number, number] => {
       if (!Number.isFinite(least) || !Number.isFinite(greatest)) return [0, 1]
       const room = 0.06 * Math.max(greatest - least, 1e-6)
@@ -156,7 +149,7 @@ export class Charts {
       width, height, legend: { show: false },
       padding: [6, twoScales ? 0 : 14, last ? 0 : 7, 0],
       scales: { x: { time: false }, y: { range: ranged }, deg: { range: ranged } },
-      series: [{}, ...chart.lines.map(line => ({ stroke: line.colour, width: 1.3, dash: line.dash, scale: scaleOf(line), points: { show: false } }))],
+      series: [{}, ...chart.lines.map(line => ({ scale: scaleOf(line), paths: () => null, points: { show: false } }))],
       axes: [
         { ...axis, show: last, size: last ? 26 : 0, values: (_: uPlot, ticks: number[]) => ticks.map(t => `${+t.toFixed(4)}${this.state.get('abscissa') === 'time' ? ' s' : ' mm'}`) },
         { ...axis, size: 54, space: 22 },
@@ -164,7 +157,7 @@ export class Charts {
       ],
       cursor: { x: false, y: false, points: { show: false }, drag: { x: true, y: false, setScale: false } },
       hooks: {
-        draw: [u => this.drawLimits(u, chart), u => this.drawCursor(u)],
+        draw: [u => this.drawLines(u, chart), u => this.drawLimits(u, chart)],
         setCursor: [u => { if (!this.moving && u.cursor.left !== undefined && u.cursor.left! >= 0 && this.hovered === u) this.state.moveTo(this.toTime(u.posToVal(u.cursor.left!, 'x'))) }],
         setSelect: [u => {
           if (u.select.width < 3) return
@@ -182,7 +175,9 @@ export class Charts {
       this.state.moveTo(this.toTime(plot.posToVal(event.offsetX, 'x')))
       this.state.zoom(event.deltaY > 0 ? 1.25 : 0.8)
     }, { passive: false })
-    this.plots.push({ plot, chart, values })
+    const cursor = element('div', { class: 'now' })
+    plot.over.append(cursor)
+    this.plots.push({ plot, chart, values, cursor, shown: [] })
     return element('figure', {}, head, holder)
   }
   private hovered: uPlot | null = null
@@ -197,13 +192,33 @@ export class Charts {
       if (line.beside) out.at(-1)!.append('| ', values[k])
       else out.push(element('span', {}, swatch(line.colour, line.dash !== undefined), line.name, ' ', values[k]))
     })
+    for (const note of chart.notes) out.push(element('span', { class: 'note', title: `${note}: they lie too far apart for it` }, note))
     return out
+  }
+
+  private drawLines(u: uPlot, chart: Chart) {
+    const shown = this.plots.find(p => p.plot === u)?.shown ?? [], { left, top, width, height } = u.bbox, { ctx } = u
+    ctx.save()
+    ctx.beginPath()
+    ctx.rect(left, top, width, height)
+    ctx.clip()
+    ctx.lineJoin = 'bevel'
+    ctx.lineWidth = 1.3 * devicePixelRatio
+    chart.lines.forEach((line, k) => {
+      const { min = 0, max = 1 } = u.scales[line.rotary && hasTwoScales(chart) ? 'deg' : 'y']
+      if (!shown[k]) return
+      ctx.strokeStyle = line.colour
+      ctx.setLineDash((line.dash ?? []).map(length => length * devicePixelRatio))
+      strokeColumns(ctx, shown[k], left, width, value => top + height * (max - value) / (max - min))
+    })
+    ctx.restore()
   }
 
   private drawLimits(u: uPlot, chart: Chart) {
     const { left, top, width, height } = u.bbox
     u.ctx.save()
     u.ctx.setLineDash([6, 4])
+    u.ctx.lineWidth = 1.3 * devicePixelRatio
     u.ctx.strokeStyle = this.state.get('dark') ? '#ff9d94' : '#b3261e'
     for (const limit of chart.limits) {
       const y = u.valToPos(limit, 'y', true)
@@ -215,63 +230,57 @@ export class Charts {
     }
     u.ctx.restore()
   }
-  private drawCursor(u: uPlot) {
-    const time_s = this.state.get('cursor_s'), x = this.state.get('abscissa') === 'time' ? time_s : this.state.run.wayAt(time_s)
-    const [from, to] = this.window
-    if (x < from || x > to) return
-    const at = u.valToPos(x, 'x', true), { top, height } = u.bbox
-    u.ctx.save()
-    u.ctx.strokeStyle = this.state.get('dark') ? '#ffd166' : '#1b2733'
-    u.ctx.lineWidth = 1.5
-    u.ctx.setLineDash([])
-    u.ctx.beginPath()
-    u.ctx.moveTo(at, top)
-    u.ctx.lineTo(at, top + height)
-    u.ctx.stroke()
-    u.ctx.restore()
-  }
 
-  /** Two points a pixel of what the window shows. */
+  /** All charts, one a frame, so that the page stays at hand. */
   private refresh() {
+    this.stale = [...this.plots]
+    this.refreshSoon()
+  }
+  private refreshSoon() {
     if (this.waiting) return
     this.waiting = true
-    requestAnimationFrame(() => { this.waiting = false; this.refreshNow() })
+    requestAnimationFrame(() => {
+      this.waiting = false
+      const next = this.stale.shift()
+      if (next) this.refreshOne(next)
+      if (this.stale.length) this.refreshSoon()
+      else this.tellValues()
+    })
   }
-  private refreshNow() {
-    const [from, to] = this.window
-    for (const { plot, chart } of this.plots) {
-      const columns = Math.max(50, Math.floor(plot.bbox.width / devicePixelRatio)), step = (to - from) / columns
-      const x = new Float64Array(2 * columns)
-      for (let c = 0; c < columns; ++c) { x[2 * c] = from + (c + 0.25) * step; x[2 * c + 1] = from + (c + 0.75) * step }
-      const ys = chart.lines.map(line => {
-        const run = this.state.runs[line.run], at = this.abscissa(run), y: (number | null)[] = new Array(2 * columns)
-        let before = NaN
-        for (let c = 0; c < columns; ++c) {
-          const [least, greatest] = extremes(at, line.range, from + c * step, from + (c + 1) * step)
-          // The one nearer to where the line comes from goes first, so that it does not jump to and fro.
-          const falling = Math.abs(before - greatest) < Math.abs(before - least)
-          const one = (falling ? greatest : least) * line.scale, two = (falling ? least : greatest) * line.scale
-          y[2 * c] = Number.isFinite(one) ? one : null
-          y[2 * c + 1] = Number.isFinite(two) ? two : null
-          before = falling ? least : greatest
-        }
-        return y
-      })
-      this.moving = true
-      plot.batch(() => {
-        plot.setData([x, ...ys] as unknown as uPlot.AlignedData, true)
-        plot.setScale('x', { min: from, max: to })
-      })
-      this.moving = false
+  private refreshOne(one: Plotted) {
+    const { plot, chart } = one, [from, to] = this.window, count = Math.max(50, Math.floor(plot.bbox.width / devicePixelRatio))
+    const ofRuns = new Map<number, Columns>()
+    const ofRun = (run: number) => {
+      if (!ofRuns.has(run)) ofRuns.set(run, columnsOf(this.abscissa(this.state.runs[run]), from, to, count))
+      return ofRuns.get(run)!
     }
-    this.tellValues()
+    one.shown = chart.lines.map(line => valuesIn(ofRun(line.run), line.range, line.scale))
+    // The chart needs to know no more than how far its values go.
+    const reach = one.shown.map(values => {
+      let least = Infinity, greatest = -Infinity
+      for (const value of values) { if (value < least) least = value; if (value > greatest) greatest = value }
+      return least <= greatest ? [least, greatest] : [null, null]
+    })
+    this.moving = true
+    plot.batch(() => {
+      plot.setData([[from, to], ...reach] as unknown as uPlot.AlignedData, true)
+      plot.setScale('x', { min: from, max: to })
+    })
+    this.moving = false
+    this.placeCursor(one)
   }
 
   private moveCursor() {
     const time_s = this.state.get('cursor_s'), [from, to] = this.state.get('window')
     if (time_s < from || time_s > to) this.state.show(time_s - (to - from) / 2, time_s + (to - from) / 2)
-    for (const { plot } of this.plots) plot.redraw(false, false)
+    for (const one of this.plots) this.placeCursor(one)
     this.tellValues()
+  }
+  private placeCursor({ plot, cursor }: Plotted) {
+    const time_s = this.state.get('cursor_s'), x = this.state.get('abscissa') === 'time' ? time_s : this.state.run.wayAt(time_s)
+    const [from, to] = this.window
+    cursor.hidden = x < from || x > to
+    cursor.style.transform = `translateX(${(x - from) / (to - from) * plot.over.clientWidth}px)`
   }
   private tellValues() {
     const time_s = this.state.get('cursor_s')

@@ -47,7 +47,7 @@ export interface RunContent {
     rows_per_bucket: number; time: ColumnPlace; way: ColumnPlace; line: ColumnPlace; cause: ColumnPlace; rapid: ColumnPlace
     axes: Record<string, Record<AxisQuantity, RangePlace>>
   } & Record<ToolQuantity, RangePlace>
-  path: Record<'time' | 'way' | 'tip' | 'axis' | 'line' | 'cause' | 'rapid' | PathQuantity, ColumnPlace>
+  path: Record<'time' | 'way' | 'tip' | 'axis' | 'line' | 'cause' | 'rapid' | 'coarse' | PathQuantity, ColumnPlace>
 }
 
 export interface Content {
@@ -68,6 +68,8 @@ export function readContent(): Content {
 export const pause = () => new Promise<void>(resolve => setTimeout(resolve))
 
 function bytesOfBase64(text: string): Uint8Array<ArrayBuffer> {
+  const native = (Uint8Array as { fromBase64?: (text: string) => Uint8Array<ArrayBuffer> }).fromBase64
+  if (native) return native.call(Uint8Array, text)
   const characters = atob(text)
   const bytes = new Uint8Array(characters.length)
   for (let i = 0; i < characters.length; ++i) bytes[i] = characters.charCodeAt(i)

@@ -1,8 +1,9 @@
 // The machine as boxes and cylinders, moved by its axes. The chain, read from workpiece to tool, is a product of screws; where the
 // machine stands on the floor no machine file says: here it stands between the rotary axes of the table and the linear axes.
 import {
-  BoxGeometry, type BufferGeometry, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshLambertMaterial, Quaternion, Vector3
+  BoxGeometry, type BufferGeometry, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, Quaternion, Vector3
 } from 'three'
+import { solidMaterial } from './solid_material'
 import { drawnSize } from './tool_model'
 import type { AxisContent, MachineContent, SetupContent } from './content'
 
@@ -87,7 +88,7 @@ export class MachineModel {
 
   /** What carries the part is seen as a body, what carries the tool lets the path be seen behind it. */
   private solid(geometry: BufferGeometry, at: Vector3, colour: number): Mesh {
-    const mesh = new Mesh(geometry, new MeshLambertMaterial({ color: colour, transparent: true, opacity: this.clear ? 0.35 : 0.92, depthWrite: !this.clear }))
+    const mesh = new Mesh(geometry, solidMaterial(colour, this.clear ? 0.35 : 0.92, !this.clear))
     mesh.add(new LineSegments(new EdgesGeometry(geometry, 30), new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.8 })))
     mesh.position.copy(at)
     return mesh

@@ -3,7 +3,7 @@ import { Charts } from './charts'
 import { titles } from './colouring'
 import { column, inflateColumns, pause, readContent, type FeedDrop } from './content'
 import { element, fixed, seconds, short } from './element'
-import { Picture } from './picture'
+import { openRenderer, Picture } from './picture'
 import { ProgramText } from './program_text'
 import { Run } from './run'
 import { colourings, State, type Colouring } from './state'
@@ -157,18 +157,12 @@ function jumpToDrop(state: State, drop: FeedDrop) {
   state.moveTo(middleOfLoss(run, drop))
 }
 
-/** Null where the browser has no WebGL. */
-function makePicture(state: State, text: ProgramText): Picture | null {
-  try {
-    return new Picture(state, text)
-  } catch {
-    return null
-  }
-}
-
 async function start() {
   const wait = element('p', { class: 'wait', role: 'status' }, 'Unpacking …')
   document.body.append(wait)
+  await pause()
+  const renderer = openRenderer()
+  await pause()
   const content = readContent()
   document.title = `${content.program} · Trunnion`
   const bytes = await inflateColumns(content.bytes, share => { wait.textContent = `Unpacking … ${Math.round(100 * share)} %` })
@@ -179,19 +173,24 @@ async function start() {
   await pause()
   const text = new ProgramText(state, column(bytes, content.text) as Uint8Array)
   const help = helpDialog(), jump = (drop: FeedDrop) => jumpToDrop(state, drop)
-  const summary = new SummaryPanel(state, jump), charts = new Charts(state)
-  await pause()
-  const picture = makePicture(state, text)
+  const picture = renderer && new Picture(state, text, renderer)
   const player = new Player(state, section(state, text))
   const view = picture?.root ?? element('section', { class: 'picture none' }, element('p', {}, 'No picture: this browser has no WebGL. Charts, tables and text are there.'))
-  wait.replaceWith(element('div', { class: 'page' }, header(state, picture, help), text.root, element('main', {}, view, player.root, charts.root), summary.root), help)
-  watchKeys(state, player, picture, summary.drops, jump, help)
-
-  const paper = element('img', { class: 'paper', alt: 'Tool path' })
+  // The picture first; charts and tables have their room and come behind it.
+  const chartsRoom = element('section', { class: 'charts' }), summaryRoom = element('section', { class: 'summary' })
+  wait.replaceWith(element('div', { class: 'page' }, header(state, picture, help), text.root, element('main', {}, view, player.root, chartsRoom), summaryRoom), help)
+  await picture?.ready
+  document.documentElement.dataset.picture = ''
+  const charts = new Charts(state)
+  chartsRoom.replaceWith(charts.root)
+  await pause()
+  const summary = new SummaryPanel(state, jump), paper = element('img', { class: 'paper', alt: 'Tool path' })
+  summaryRoom.replaceWith(summary.root)
   summary.root.prepend(paper)
   addEventListener('beforeprint', () => { if (picture) paper.src = picture.image() })
-  await picture?.ready
-  Object.assign(window, { trunnion: { state, picture, ready: performance.now() } })
+  watchKeys(state, player, picture, summary.drops, jump, help)
+  await picture?.refine()
+  Object.assign(window, { trunnion: { state, picture } })
   document.documentElement.dataset.ready = ''
 }
 

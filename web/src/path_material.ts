@@ -1,14 +1,16 @@
 // Tool paths as flat strips of a given width in pixels, and as ruled ribbons between tip and a height on the tool: both from
-// two vertices a place, so that they share their positions and colours.
-import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Group, LineSegments, Mesh, ShaderMaterial, Vector2 } from 'three'
+// two vertices a place, so that they share their positions and colours. Each is there twice: as it is, and of as few places as a
+// browser that draws by software can turn.
+import {
+  Box3, BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Group, InterleavedBuffer, InterleavedBufferAttribute, LineSegments, Mesh, ShaderMaterial, Sphere, Vector2
+} from 'three'
 
 const common = /* glsl */`
-  attribute vec3 colour;
+  attribute vec4 colour;  // its last part: which of the two vertices, 0 or 1
   varying vec3 vColour;
 `
 const stripVertex = common + /* glsl */`
   attribute vec3 before, after;
-  attribute float side;
   uniform vec2 resolution;
   uniform float width;
   vec2 onScreen(vec4 p) { return p.xy / p.w * resolution; }
@@ -18,19 +20,18 @@ const stripVertex = common + /* glsl */`
     vec2 at = onScreen(here), come = at - onScreen(m * vec4(before, 1.0)), go = onScreen(m * vec4(after, 1.0)) - at;
     vec2 along = (dot(come, come) > 1e-8 ? normalize(come) : vec2(0.0)) + (dot(go, go) > 1e-8 ? normalize(go) : vec2(0.0));
     vec2 across = dot(along, along) > 1e-8 ? normalize(vec2(-along.y, along.x)) : vec2(0.0, 1.0);
-    here.xy += across * side * width / resolution * here.w;
+    here.xy += across * (2.0 * colour.a - 1.0) * width / resolution * here.w;
     here.z -= 1e-5 * here.w;
     gl_Position = here;
-    vColour = colour;
+    vColour = colour.rgb;
   }
 `
 const ribbonVertex = common + /* glsl */`
   attribute vec3 axis;
-  attribute float side;
   uniform float height;
   void main() {
-    gl_Position = projectionMatrix * modelViewMatrix * vec4(position + max(side, 0.0) * height * axis, 1.0);
-    vColour = colour;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position + colour.a * height * axis, 1.0);
+    vColour = colour.rgb;
   }
 `
 const fragment = /* glsl */`
@@ -47,29 +48,42 @@ const material = (vertexShader: string, opacity: number) => new ShaderMaterial({
 /** Index of a geometry in parts of `size`, one for each of some places of the path, ascending. */
 interface Parts { size: number; index: Uint32Array; ends: Uint32Array }
 
-/** Steps from place to place as triangles; every `stride`-th place and the ends of stretches. */
-function bands(count: number, apart: (i: number) => boolean, stride: number): Parts {
-  const index = new Uint32Array(6 * count), ends = new Uint32Array(count)
-  let from = 0, n = 0
-  for (let i = 1; i < count; ++i) {
-    if (apart(i)) { from = i; continue }
-    if (i - from < stride && i + 1 < count && !apart(i + 1)) continue
-    index.set([2 * from, 2 * from + 1, 2 * i, 2 * from + 1, 2 * i + 1, 2 * i], 6 * n)
-    ends[n++] = i
-    from = i
-  }
-  return { size: 6, index: index.slice(0, 6 * n), ends: ends.slice(0, n) }
+/** Every `stride`-th place, and both sides of every end of a rapid. */
+function every(stride: number, rapid: Uint8Array): Uint32Array {
+  const chosen = new Uint32Array(rapid.length), last = rapid.length - 1
+  let n = 0
+  for (let i = 0; i <= last; ++i)
+    if (i % stride === 0 || i === last || rapid[i] !== rapid[i - 1] || rapid[i] !== rapid[i + 1]) chosen[n++] = i
+  return chosen.subarray(0, n)
 }
 
-/** Lines across, from one vertex of a place to the other, at every `stride`-th place. */
-function rulings(count: number, apart: (i: number) => boolean, stride: number): Parts {
-  const index: number[] = [], ends: number[] = []
-  for (let i = 0; i < count; i += stride) {
-    if (apart(i)) continue
-    index.push(2 * i, 2 * i + 1)
-    ends.push(i)
+/** Steps between the places chosen as triangles; a step is as the place where it ends. */
+function bands(chosen: ArrayLike<number>, apart: (i: number) => boolean): Parts {
+  const index = new Uint32Array(6 * chosen.length), ends = new Uint32Array(chosen.length)
+  let n = 0
+  for (let k = 1; k < chosen.length; ++k) {
+    const from = 2 * chosen[k - 1], to = 2 * chosen[k]
+    if (apart(chosen[k])) continue
+    index[6 * n] = from
+    index[6 * n + 1] = index[6 * n + 3] = from + 1
+    index[6 * n + 2] = index[6 * n + 5] = to
+    index[6 * n + 4] = to + 1
+    ends[n++] = chosen[k]
   }
-  return { size: 2, index: Uint32Array.from(index), ends: Uint32Array.from(ends) }
+  return { size: 6, index: index.subarray(0, 6 * n), ends: ends.subarray(0, n) }
+}
+
+/** Lines across, from one vertex of a place to the other. */
+function rulings(chosen: ArrayLike<number>, apart: (i: number) => boolean): Parts {
+  const ends = Uint32Array.from(chosen).filter(i => !apart(i)), index = new Uint32Array(2 * ends.length)
+  ends.forEach((i, k) => { index[2 * k] = 2 * i; index[2 * k + 1] = 2 * i + 1 })
+  return { size: 2, index, ends }
+}
+
+/** Every so many that some `most` are left. */
+const fewer = (chosen: ArrayLike<number>, most: number) => {
+  const stride = Math.max(1, Math.ceil(chosen.length / most))
+  return Uint32Array.from({ length: Math.ceil(chosen.length / stride) }, (_, k) => chosen[k * stride])
 }
 
 function firstNotBelow(values: Uint32Array, x: number): number {
@@ -82,85 +96,120 @@ function firstNotBelow(values: Uint32Array, x: number): number {
   return low
 }
 
-/** Steps of the path of one kind: as they are, and as they are drawn while the picture moves slowly. */
+/** Steps of the path of one kind: as they are drawn while the picture moves slowly, and, once made, as they are. */
 class Steps {
   readonly group = new Group()
-  private readonly levels: { object: Mesh | LineSegments; parts: Parts }[]
+  private readonly levels: { object: Mesh | LineSegments; parts: Parts }[] = []
+  private shown: [number, number] = [0, Infinity]
 
-  constructor(geometry: BufferGeometry, shader: ShaderMaterial, levels: Parts[]) {
-    this.levels = levels.map(parts => {
-      const own = new BufferGeometry()
-      for (const [name, attribute] of Object.entries(geometry.attributes)) own.setAttribute(name, attribute)
-      own.setIndex(new BufferAttribute(parts.index, 1))
-      const object = parts.size === 2 ? new LineSegments(own, shader) : new Mesh(own, shader)
-      object.frustumCulled = false
-      this.group.add(object)
-      return { object, parts }
-    })
-    this.coarse(false)
+  constructor(private readonly geometry: BufferGeometry, private readonly shader: ShaderMaterial) {}
+
+  /** The coarse one first. */
+  add(parts: Parts) {
+    const own = new BufferGeometry()
+    for (const [name, attribute] of Object.entries(this.geometry.attributes)) own.setAttribute(name, attribute)
+    own.boundingSphere = this.geometry.boundingSphere
+    own.setIndex(new BufferAttribute(parts.index, 1))
+    const object = parts.size === 2 ? new LineSegments(own, this.shader) : new Mesh(own, this.shader)
+    object.frustumCulled = false
+    this.levels.push({ object, parts })
+    this.group.add(object)
+    this.show(...this.shown)
   }
   /** Places [from, to[. */
   show(from: number, to: number) {
+    this.shown = [from, to]
     for (const { object, parts } of this.levels) {
       const first = firstNotBelow(parts.ends, from + 1), last = firstNotBelow(parts.ends, to)
       object.geometry.setDrawRange(parts.size * first, parts.size * Math.max(0, last - first))
     }
   }
   coarse(wanted: boolean) {
-    this.levels.forEach(({ object }, k) => { object.visible = wanted === (k > 0) })
+    const seen = wanted ? 0 : this.levels.length - 1
+    this.levels.forEach(({ object }, k) => { object.visible = k === seen })
   }
 }
 
-/** The drawn path of a run. `tip` in mm about `centre`. */
+/** Places of the path: three numbers a vertex, two vertices a place, and the places before and behind each in the same bytes. */
+function placesOf(tip: Float32Array, count: number): BufferGeometry {
+  const padded = new Float32Array(6 * (count + 2))
+  for (let i = -1; i <= count; ++i) {
+    const k = 3 * Math.min(count - 1, Math.max(0, i)), at = 6 * (i + 1)
+    padded[at] = padded[at + 3] = tip[k]
+    padded[at + 1] = padded[at + 4] = tip[k + 1]
+    padded[at + 2] = padded[at + 5] = tip[k + 2]
+  }
+  const geometry = new BufferGeometry(), bytes = new InterleavedBuffer(padded, 3)
+  for (const [place, name] of ['before', 'position', 'after'].entries()) geometry.setAttribute(name, new InterleavedBufferAttribute(bytes, 3, 6 * place))
+  geometry.boundingSphere = new Box3().setFromArray(padded).getBoundingSphere(new Sphere())
+  return geometry
+}
+
+const strip = () => ({ cutting: material(stripVertex, 1), rapids: material(stripVertex, 0.55) })
+
+/** Something with each shader of the path, so that a browser can make them ready before there is a path. */
+export function shadersOfPath(): Group {
+  const group = new Group()
+  for (const shader of Object.values(strip())) group.add(new Mesh(new BufferGeometry(), shader))
+  return group
+}
+
+/** The drawn path of a run, at first coarse. */
 export class DrawnPath {
   readonly cutting: Steps
   readonly rapids: Steps
   readonly ribbon: Steps
   readonly materials: ShaderMaterial[]
+  private readonly geometry: BufferGeometry
   private readonly colours: BufferAttribute
+  private readonly isRapid = (i: number) => this.path.rapid[i] !== 0
+  private readonly isCut = (i: number) => this.path.rapid[i] === 0
 
-  constructor(tip: Float32Array, axis: Int16Array, rapid: Uint8Array) {
-    const count = rapid.length
-    // Three numbers a vertex, two vertices a place, one place more before the first and behind the last.
-    const padded = new Float32Array(6 * (count + 2))
-    for (let i = -1; i <= count; ++i) {
-      const k = Math.min(count - 1, Math.max(0, i))
-      for (let v = 0; v < 2; ++v) for (let c = 0; c < 3; ++c) padded[6 * (i + 1) + 3 * v + c] = tip[3 * k + c]
-    }
-    const geometry = new BufferGeometry()
-    const view = (place: number) => new BufferAttribute(padded.subarray(6 * place, 6 * (place + count)), 3)
-    geometry.setAttribute('position', view(1))
-    geometry.setAttribute('before', view(0))
-    geometry.setAttribute('after', view(2))
-    const doubled = new Int16Array(6 * count), side = new Int8Array(2 * count)
-    for (let i = 0; i < count; ++i) {
-      for (let v = 0; v < 2; ++v) for (let c = 0; c < 3; ++c) doubled[6 * i + 3 * v + c] = axis[3 * i + c]
-      side[2 * i] = 1
-      side[2 * i + 1] = -1
-    }
-    geometry.setAttribute('axis', new BufferAttribute(doubled, 3, true))
-    geometry.setAttribute('side', new BufferAttribute(side, 1))
-    this.colours = new BufferAttribute(new Uint8Array(6 * count), 3, true)
+  constructor(private readonly path: { tip: Float32Array; axis: Int16Array; rapid: Uint8Array; coarse: Int32Array }) {
+    const count = path.rapid.length, { cutting, rapids } = strip(), ruled = material(ribbonVertex, 0.5)
+    this.geometry = placesOf(path.tip, count)
+    const colours = new Uint8Array(8 * count)
+    for (let i = 0; i < count; ++i) colours[8 * i + 3] = 255
+    this.colours = new BufferAttribute(colours, 4, true)
     this.colours.setUsage(DynamicDrawUsage)
-    geometry.setAttribute('colour', this.colours)
-
-    const strip = material(stripVertex, 1), faint = material(stripVertex, 0.55), ruled = material(ribbonVertex, 0.5)
-    faint.uniforms.width.value = 1
-    this.materials = [strip, faint, ruled]
-    const coarse = Math.max(1, Math.ceil(count / 12000))
-    const isRapid = (i: number) => rapid[i] !== 0, isCut = (i: number) => rapid[i] === 0
-    this.cutting = new Steps(geometry, strip, [bands(count, isRapid, 1), bands(count, isRapid, coarse)])
-    this.rapids = new Steps(geometry, faint, [bands(count, isCut, 1), bands(count, isCut, coarse)])
-    this.ribbon = new Steps(geometry, ruled, [bands(count, isRapid, Math.max(1, Math.ceil(count / 20000))), rulings(count, isRapid, Math.max(1, Math.ceil(count / 1500)))])
+    this.geometry.setAttribute('colour', this.colours)
+    rapids.uniforms.width.value = 1
+    this.materials = [cutting, rapids, ruled]
+    this.cutting = new Steps(this.geometry, cutting)
+    this.rapids = new Steps(this.geometry, rapids)
+    this.ribbon = new Steps(this.geometry, ruled)
+    this.cutting.add(bands(path.coarse, this.isRapid))
+    this.rapids.add(bands(path.coarse, this.isCut))
   }
   get steps() { return [this.cutting, this.rapids, this.ribbon] }
 
+  /** All places. */
+  refine() {
+    const places = every(1, this.path.rapid)
+    this.cutting.add(bands(places, this.isRapid))
+    this.rapids.add(bands(places, this.isCut))
+  }
+
+  private ruled = false
+  /** The ribbon is made when it is first wanted: true. */
+  rule(): boolean {
+    if (this.ruled) return false
+    this.ruled = true
+    const { axis, rapid, coarse } = this.path, count = rapid.length, doubled = new Int16Array(8 * count)
+    for (let i = 0; i < count; ++i)
+      for (let c = 0; c < 3; ++c) doubled[8 * i + c] = doubled[8 * i + 4 + c] = axis[3 * i + c]
+    this.geometry.setAttribute('axis', new BufferAttribute(doubled, 4, true))
+    this.ribbon.add(rulings(fewer(coarse, 800), this.isRapid))
+    this.ribbon.add(bands(every(Math.ceil(count / 20000), rapid), this.isRapid))
+    return true
+  }
+
   /** `colour(i)` writes red, green and blue of place i, 0 … 255. */
   paint(colour: (i: number, out: Uint8Array | number[]) => void) {
-    const all = this.colours.array as Uint8Array, one = [0, 0, 0]
-    for (let i = 0; i < all.length / 6; ++i) {
+    const bytes = this.colours.array as Uint8Array, one = [0, 0, 0]
+    for (let i = 0; i < bytes.length / 8; ++i) {
       colour(i, one)
-      for (let c = 0; c < 3; ++c) all[6 * i + c] = all[6 * i + 3 + c] = one[c]
+      for (let c = 0; c < 3; ++c) bytes[8 * i + c] = bytes[8 * i + 4 + c] = one[c]
     }
     this.colours.needsUpdate = true
   }

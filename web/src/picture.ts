@@ -1,13 +1,11 @@
 // The picture: tool path, ruled ribbon, tool and machine, in the frame of the part or of the machine. Drawn on demand.
-import {
-  AmbientLight, AxesHelper, Box3, Color, DirectionalLight, Group, Matrix4, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer
-} from 'three'
+import { AxesHelper, Box3, Color, Group, Matrix4, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from 'three'
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js'
 import { paint, titles, type Legend } from './colouring'
 import { pause } from './content'
 import { element, short } from './element'
 import { MachineModel, type Used } from './machine_model'
-import { DrawnPath } from './path_material'
+import { DrawnPath, shadersOfPath } from './path_material'
 import type { State } from './state'
 import type { Run } from './run'
 import type { ProgramText } from './program_text'
@@ -18,6 +16,33 @@ const slowFrame_ms = 28
 const reach_px = 14
 
 interface Drawn { path: DrawnPath; run: Run }
+
+/** Null where the browser has no WebGL. The ground hides what is behind it, and steps of the path are as narrow as their edges
+ *  would be: neither an alpha channel nor smooth edges, which a browser without a graphics card pays for in every picture. */
+export function openRenderer(): WebGLRenderer | null {
+  const canvas = document.createElement('canvas')
+  const context = canvas.getContext('webgl2', { alpha: false, antialias: false, stencil: false, powerPreference: 'high-performance' })
+  if (!context) return null
+  const renderer = new WebGLRenderer({ canvas, context })
+  // Asking for errors waits for the compiler of shaders.
+  renderer.debug.checkShaderErrors = false
+  renderer.setPixelRatio(Math.min(devicePixelRatio, 1.5))
+  // The compiler works while the page unpacks its columns.
+  const scene = new Scene(), tool = new ToolModel()
+  tool.show(undefined, 1)
+  scene.add(shadersOfPath(), tool.group, new AxesHelper(1))
+  renderer.compile(scene, new PerspectiveCamera())
+  return renderer
+}
+
+/** Until what was asked of the graphics stands. Whatever waits for them in one go blocks all of the page. */
+async function drawn(renderer: WebGLRenderer) {
+  const gl = renderer.getContext() as WebGL2RenderingContext, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0)
+  if (!fence) return
+  gl.flush()
+  while (gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) await new Promise(resolve => setTimeout(resolve, 4))
+  gl.deleteSync(fence)
+}
 
 function bounds(run: Run): Box3 {
   const box = new Box3(), tip = run.path.tip, point = new Vector3()
@@ -42,7 +67,6 @@ function usedOfAxes(state: State): Record<string, Used> {
 
 export class Picture {
   readonly root = element('section', { class: 'picture', 'aria-label': 'Tool path' })
-  private readonly renderer: WebGLRenderer
   private readonly scene = new Scene()
   private readonly camera = new PerspectiveCamera(32, 1, 0.1, 1e5)
   private readonly controls: OrbitControls
@@ -58,24 +82,19 @@ export class Picture {
   private moving = 0
   private coarse = false
   private drawnAt = 0
+  private settling = 0
   private hoverAt: [number, number] | null = null
   /** When the first picture stands. */
   readonly ready: Promise<void>
   private compiled = false
 
-  constructor(private readonly state: State, private readonly text: ProgramText) {
-    this.renderer = new WebGLRenderer({ antialias: false, powerPreference: 'high-performance' })
-    // Asking for errors waits for the compiler of shaders.
-    this.renderer.debug.checkShaderErrors = false
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 1.5))
+  constructor(private readonly state: State, private readonly text: ProgramText, private readonly renderer: WebGLRenderer) {
     this.box = bounds(state.runs[0])
     this.size = Math.max(1, this.box.getSize(new Vector3()).length())
     const tool = state.runs[0].content.tools[0] ?? { length_mm: 0, diameter_mm: 0 }
     const low = this.box.min.z + state.content.setup.origin_mm[2]
     this.machine = new MachineModel(state.content.machine, state.content.setup, this.size / 2, low, tool, usedOfAxes(state))
-    const light = new DirectionalLight(0xffffff, 2.2)
-    light.position.set(0.5, -0.7, 1)
-    this.scene.add(new AmbientLight(0xffffff, 1.5), light, this.part, this.machine.group)
+    this.scene.add(this.part)
     this.part.matrixAutoUpdate = false
     this.part.add(this.tool.group)
     const corner = new AxesHelper(this.size * 0.09)
@@ -83,7 +102,7 @@ export class Picture {
     this.part.add(corner)
     this.camera.up.set(0, 0, 1)
     this.controls = new OrbitControls(this.camera, this.renderer.domElement)
-    this.controls.addEventListener('change', () => { this.moving = performance.now(); this.draw() })
+    this.controls.addEventListener('change', () => this.stir())
     this.renderer.domElement.tabIndex = 0
     this.renderer.domElement.setAttribute('aria-label', 'Picture of the tool path; drag to turn, wheel to zoom, right button to shift')
     this.root.append(this.renderer.domElement, this.legend, this.tip)
@@ -100,9 +119,28 @@ export class Picture {
     this.moveTool()
     this.resize()
     this.fit()
-    const aside = this.renderer.getContext().getExtension('KHR_parallel_shader_compile')
-    this.ready = (aside ? this.renderer.compileAsync(this.scene, this.camera) : pause()).then(() => { this.compiled = true; this.drawNow() })
+    this.ready = this.prepare()
   }
+
+  /** Draws when the shaders of all that is to be seen are there. */
+  private async prepare() {
+    this.compiled = false
+    const aside = this.renderer.getContext().getExtension('KHR_parallel_shader_compile')
+    await (aside ? this.renderer.compileAsync(this.scene, this.camera) : pause())
+    await drawn(this.renderer)
+    this.compiled = true
+    this.drawNow()
+    await drawn(this.renderer)
+  }
+
+  /** From the first picture, which is coarse, to all places. */
+  async refine() {
+    for (const { path } of this.drawn.values()) path.refine()
+    this.refined = true
+    this.draw()
+    await drawn(this.renderer)
+  }
+  private refined = false
 
   /** All of the path, seen from above and the front. */
   fit() {
@@ -129,6 +167,11 @@ export class Picture {
     this.controls.update()
   }
 
+  /** Draws something that goes on to move, maybe. */
+  private stir() {
+    this.moving = performance.now()
+    this.draw()
+  }
   draw() {
     if (this.wanted) return
     this.wanted = true
@@ -144,11 +187,13 @@ export class Picture {
     if (moving && between > slowFrame_ms && between < 1000) this.coarse = true
     this.drawnAt = now
     this.renderer.render(this.scene, this.camera)
-    if (moving && this.coarse) setTimeout(() => { if (performance.now() - this.moving >= 200) this.draw() }, 230)
+    clearTimeout(this.settling)
+    if (moving && this.coarse) this.settling = setTimeout(() => this.draw(), 230)
   }
 
   /** The picture as it stands, for paper. */
   image(): string {
+    this.moving = 0
     this.drawNow()
     return this.renderer.domElement.toDataURL('image/png')
   }
@@ -168,11 +213,13 @@ export class Picture {
   private showRun() {
     const index = this.state.get('run')
     if (!this.drawn.has(index)) {
-      const run = this.state.runs[index], path = new DrawnPath(run.path.tip, run.path.axis, run.path.rapid)
+      const run = this.state.runs[index], path = new DrawnPath(run.path)
+      if (this.refined) path.refine()
       for (const step of path.steps) this.part.add(step.group)
       this.drawn.set(index, { path, run })
       this.setHeight()
     }
+    if (this.state.get('ribbon') && this.drawn.get(index)!.path.rule()) void this.prepare()
     for (const [k, { path }] of this.drawn) {
       path.cutting.group.visible = path.rapids.group.visible = k === index
       path.ribbon.group.visible = k === index && this.state.get('ribbon')
@@ -204,7 +251,7 @@ export class Picture {
     const { path, run } = this.drawn.get(this.state.get('run'))!
     const [from, to] = this.state.get('window'), [first, last] = run.placesBetween(from, to)
     for (const step of path.steps) step.show(first, last)
-    this.draw()
+    this.stir()
   }
   private setHeight() {
     for (const { path } of this.drawn.values()) for (const m of path.materials) m.uniforms.height.value = this.state.get('height_mm')
@@ -217,14 +264,22 @@ export class Picture {
     this.tool.group.position.set(...pose.tip)
     this.tool.group.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...pose.axis)))
     const inMachine = this.state.get('frame') === 'machine'
-    this.machine.group.visible = inMachine
+    if (inMachine !== this.machine.group.visible || (inMachine && !this.machine.group.parent)) this.showMachine(inMachine)
     if (inMachine) {
       const positions: Record<string, number> = {}
       for (const axis of this.state.content.machine.axes) positions[axis.letter] = run.valueAt(run.axis(axis.letter, 'position'), time_s)
       this.part.matrix.copy(this.machine.move(positions))
     } else this.part.matrix.copy(new Matrix4())
     this.part.matrixWorldNeedsUpdate = true
-    this.draw()
+    this.stir()
+  }
+
+  /** The machine joins the scene when it is first wanted. */
+  private showMachine(wanted: boolean) {
+    this.machine.group.visible = wanted
+    if (!wanted || this.machine.group.parent) return
+    this.scene.add(this.machine.group)
+    void this.prepare()
   }
 
   private watchPointer() {

@@ -2,7 +2,7 @@
 import { column, type AxisQuantity, type Numbers, type PathQuantity, type RangePlace, type RunContent, type ToolQuantity } from './content'
 
 /** Least and greatest value of every bucket; the same array where a bucket is one row. */
-export interface Range { least: Float32Array; greatest: Float32Array }
+export interface Range { least: Float32Array; greatest: Float32Array; blocks?: Range }
 
 /** First index whose value is above x; values ascending. */
 export function upperBound(values: Numbers, x: number): number {
@@ -27,6 +27,8 @@ export class Run {
   readonly path: {
     count: number; time: Float64Array; way: Float64Array; tip: Float32Array; axis: Int16Array
     line: Int32Array; cause: Uint8Array; rapid: Uint8Array
+    /** Indices of the places that are enough while the picture moves. */
+    coarse: Int32Array
   }
   private readonly ranges = new Map<RangePlace, Range>()
 
@@ -42,7 +44,7 @@ export class Run {
       time: column(bytes, path.time) as Float64Array, way: column(bytes, path.way) as Float64Array,
       tip: column(bytes, path.tip) as Float32Array, axis: column(bytes, path.axis) as Int16Array,
       line: column(bytes, path.line) as Int32Array, cause: column(bytes, path.cause) as Uint8Array,
-      rapid: column(bytes, path.rapid) as Uint8Array
+      rapid: column(bytes, path.rapid) as Uint8Array, coarse: column(bytes, path.coarse) as Int32Array
     }
   }
 

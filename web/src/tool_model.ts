@@ -1,5 +1,6 @@
 // The tool as a solid of revolution, tip at the origin, axis along +Z, and what holds it.
-import { CylinderGeometry, Group, LatheGeometry, Mesh, MeshLambertMaterial, Vector2 } from 'three'
+import { CylinderGeometry, Group, LatheGeometry, Mesh, Vector2 } from 'three'
+import { solidMaterial } from './solid_material'
 import type { ToolContent } from './content'
 
 /** Radius and height of the outline from the tip on, mm. `length`: of what is drawn. */
@@ -41,7 +42,7 @@ export class ToolModel {
     const holder = new CylinderGeometry(1.05 * diameter, 0.8 * diameter, above, 36)
     holder.rotateX(Math.PI / 2)
     holder.translate(0, 0, length + above / 2)
-    this.group.add(new Mesh(body, new MeshLambertMaterial({ color: 0xd9a441, transparent: true, opacity: 0.72 })),
-      new Mesh(holder, new MeshLambertMaterial({ color: 0x8f99a6, transparent: true, opacity: 0.4 })))
+    this.group.add(new Mesh(body, solidMaterial(0xd9a441, 0.72)),
+      new Mesh(holder, solidMaterial(0x8f99a6, 0.4)))
   }
 }

@@ -58,4 +58,8 @@ class PathThinning {
     double way_ = 0;  // from the last kept place to pending_
 };
 
+/// Which places, by index, are enough for a picture that moves: at most some `most` of them, the first and the last
+/// among them; the rest lies within the tolerances above, doubled as often as it takes. Cost O(n).
+std::vector<std::int32_t> coarse_places(const std::vector<PathPlace>& places, std::size_t most);
+
 }  // namespace trunnion::report::detail

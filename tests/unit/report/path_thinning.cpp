@@ -87,5 +87,32 @@ TEST(PathThinning, NeverMoreThanAskedForWhateverComes) {
     EXPECT_LT(farthest_mm(given, thinning.places()), 10);
 }
 
+TEST(CoarsePlaces, FewThatKeepTheEndsAndEveryDip) {
+    std::vector<PathPlace> given;
+    for (int i = 0; i <= 20'000; ++i) {
+        given.push_back(on_circle(i, 50));
+        given.back().line = i / 10;
+        if (i % 5000 == 2500) given.back().feed_mm_s = 5;
+    }
+    constexpr std::size_t most = 300;
+    const auto chosen = coarse_places(given, most);
+    EXPECT_LE(chosen.size(), most);
+    EXPECT_GT(chosen.size(), 30U);
+    EXPECT_EQ(chosen.front(), 0);
+    EXPECT_EQ(chosen.back(), 20'000);
+    EXPECT_TRUE(std::ranges::is_sorted(chosen));
+    for (const int dip : {2500, 7500, 12500, 17500})
+        EXPECT_TRUE(std::ranges::binary_search(chosen, dip)) << "the dip at " << dip << " is not drawn";
+}
+
+TEST(CoarsePlaces, OfFewPlacesAllAndOfNoneNone) {
+    EXPECT_TRUE(coarse_places({}, 100).empty());
+    EXPECT_EQ(coarse_places({on_circle(0, 10)}, 100), std::vector<std::int32_t>{0});
+    std::vector<PathPlace> corners;
+    for (int i = 0; i < 20; ++i)
+        corners.push_back({.time_s = i * 1.0, .tip_mm = Eigen::Vector3d(i, i % 2, 0), .feed_mm_s = 10});
+    EXPECT_EQ(coarse_places(corners, 100).size(), corners.size());
+}
+
 }  // namespace
 }  // namespace trunnion::report::detail
