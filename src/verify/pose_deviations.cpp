@@ -12,6 +12,10 @@ constexpr std::ptrdiff_t least_stops = 40, most_stops = 4000;  // looked at to e
 
 }  // namespace
 
+double Allowed::used_by(const Distance& distance) const {
+    return std::max({distance.tip_mm / tip_mm, distance.height_mm / height_mm, distance.angle_rad / angle_rad});
+}
+
 Distance distance_between(const Joint6& a, const Joint6& b, const ToolHeights& tool, double flank_mm) {
     const Joint6 off = a - b;
     const Eigen::Vector3d axis = off.tail<3>() / flank_mm;
@@ -20,8 +24,8 @@ Distance distance_between(const Joint6& a, const Joint6& b, const ToolHeights& t
 }
 
 PosePasses::PosePasses(const ProgrammedLine& line, const std::vector<Gauge>& rows, const std::vector<Place>& places,
-                       double window_mm)
-    : line_(line), rows_(rows), window_mm_(window_mm) {
+                       double window_mm, const Allowed& allowed)
+    : line_(line), rows_(rows), window_mm_(window_mm), allowed_(allowed) {
     double farthest = 0;
     for (std::size_t n = 0; n < rows.size(); ++n) {
         farthest = std::max(farthest, places[n].way_mm);
@@ -48,9 +52,10 @@ PosePasses::Pass PosePasses::at(std::size_t pose, const ProgrammedPose& programm
     const auto joint = [&](std::ptrdiff_t stop) {
         return joint_of(rows_[stops_[static_cast<std::size_t>(stop)].row], tool, line_.flank_mm());
     };
-    double best2 = std::numeric_limits<double>::infinity();
+    double best2 = std::numeric_limits<double>::infinity(), least_used = std::numeric_limits<double>::infinity();
     Joint6 best = point;
     std::ptrdiff_t best_stop = 0;
+    Pass kept;
     const std::ptrdiff_t last = std::min(high, count - 1);
     std::ptrdiff_t stop = std::clamp<std::ptrdiff_t>(low, 0, last);
     Joint6 begin = joint(stop);
@@ -62,9 +67,16 @@ PosePasses::Pass PosePasses::at(std::size_t pose, const ProgrammedPose& programm
         const Joint6 foot = begin + share * chord;
         const double off2 = (point - foot).squaredNorm();
         if (off2 < best2) best2 = off2, best = foot, best_stop = stop;
+        if ((point - foot).head<3>().norm() < std::min(1.0, least_used) * allowed_.tip_mm) {
+            const Distance distance = distance_between(foot, point, tool, line_.flank_mm());
+            const double used = allowed_.used_by(distance);
+            if (used < least_used) least_used = used, kept = {distance, stops_[static_cast<std::size_t>(stop)].row};
+        }
         begin = end;
     }
-    return {distance_between(best, point, tool, line_.flank_mm()), stops_[static_cast<std::size_t>(best_stop)].row};
+    const Distance nearest = distance_between(best, point, tool, line_.flank_mm());
+    if (allowed_.used_by(nearest) > 1 && least_used <= 1) return kept;
+    return {nearest, stops_[static_cast<std::size_t>(best_stop)].row};
 }
 
 }  // namespace trunnion::verify

@@ -160,6 +160,17 @@ Place ProgrammedLine::place_at(std::size_t segment, double w) const {
     return {segment, w, piece.way_mm + (w * s.pieces - within) * std::sqrt(piece.chord2)};
 }
 
+Place ProgrammedLine::place_on_way(double way_mm) const {
+    const auto after = std::upper_bound(pieces_.begin() + 1, pieces_.end(), way_mm,
+                                        [](double way, const Piece& piece) { return way < piece.way_mm; });
+    const Piece& piece = *(after - 1);
+    const Segment& segment = segments_[piece.segment];
+    const auto within = static_cast<double>(after - 1 - pieces_.begin() - segment.first_piece);
+    const double length = std::sqrt(piece.chord2);
+    const double share = length > 0 ? std::clamp((way_mm - piece.way_mm) / length, 0.0, 1.0) : 0.0;
+    return place_at(piece.segment, std::min(1.0, (within + share) / segment.pieces));
+}
+
 double ProgrammedLine::nearest_share(const Gauge& row, std::size_t segment, double least, double most) const {
     const Joint6 point = joint_of(row, segments_[segment].tool, flank_mm_);
     double w = 0.5 * (least + most);

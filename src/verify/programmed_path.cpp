@@ -203,7 +203,7 @@ class Expansion {
         if (const auto found = setup_.offsets.find(name); found != setup_.offsets.end()) return found->second;
         if (name.empty() || name == "G54") return machine::Frame{};
         return fail(diagnose(move.line, "VER0104", fmt::format("work offset {} is not in the setup", name),
-                             fmt::format("add [offsets.{}] to the setup file", name)));
+                             fmt::format("add [offsets.\"{}\"] to the setup file", name)));
     }
 
     AxisPosition axes_of(const Rotary& rotary) const {

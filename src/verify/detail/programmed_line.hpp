@@ -80,6 +80,9 @@ class ProgrammedLine {
     /// Way from the start to a pose.
     double way_of(std::size_t pose) const { return way_of_pose_[pose]; }
 
+    /// The place that is so far from the start; the nearest end where there is none.
+    Place place_on_way(double way_mm) const;
+
     /// Exact point of the path and its derivative by w.
     struct Sample {
         Joint6 point, rate;

@@ -132,6 +132,92 @@ TEST(Deviations, ASecondRoundIsNotTheFirst) {
     EXPECT_NEAR(v.path_covered, 0.5, 0.01);
 }
 
+/// A third of a millimetre long, on the spot where the path comes by again: the place of the second coming is nearer to
+/// the shifted rows than the corner of the first.
+TEST(Deviations, ASmallLoopThatEndsWhereItBegan) {
+    const Tips loop{{-0.11, 0.069, 0},  {-0.044, -0.043, 0}, {-0.003, -0.051, 0}, {0.044, 0.026, 0},
+                    {-0.033, 0.007, 0}, {-0.003, -0.051, 0}, {-0.003, -0.051, 2}};
+    Tips shifted;
+    for (const auto& tip : loop) shifted.emplace_back(tip + Eigen::Vector3d(0.008, 0.012, 0));
+    const double off = std::hypot(0.008, 0.012);
+    const auto v = verdict_of(along(shifted, 0.002), poses_at(loop), tip_tolerance(1.001 * off));
+    EXPECT_TRUE(v.ok) << broken_things(v);
+    EXPECT_GT(v.tip_deviation_mm, 0.9 * off);
+
+    Tips left_out = loop;
+    left_out.erase(left_out.begin() + 3, left_out.begin() + 6);
+    const auto missed = verdict_of(along(left_out, 0.002), poses_at(loop));
+    EXPECT_TRUE(only_broken(missed, {"tip_to_poses_mm"})) << broken_things(missed);
+    EXPECT_NEAR(missed.tip_to_poses_mm, std::hypot(0.047, 0.077), 1e-9);
+}
+
+/// Near the pole C goes a long way while the tool hardly turns: C's reversal is cut short by what the tolerance allows.
+TEST(Deviations, ReversalOfARotaryAxisNearThePole) {
+    const Eigen::Vector3d tip(10, -4, 39), lift(0, 0, 0.05);
+    const double a = 14 * degree, forth = 28 * degree, back = -38 * degree;
+    const std::vector poses{pose_by_words(tip, a, 0, 1), pose_by_words(tip + lift, a, forth, 2),
+                            pose_by_words(tip, a, back, 3)};
+    const auto turned_short_by = [&](double angle) {
+        std::vector<motion::Setpoint> rows;
+        const auto add = [&](double share_of_forth, double c) {
+            rows.push_back(row(rows.size(), axes_for(tip + share_of_forth * lift, a, c)));
+        };
+        for (double c = 0; c < forth - angle; c += 0.01 * degree) add(c / forth, c);
+        for (double c = forth - angle; c > back; c -= 0.01 * degree) add((c - back) / (forth - back), c);
+        add(0, back);
+        return verdict_of(*setpoint_table(rows), poses);
+    };
+    const auto kept = turned_short_by(0.4 * degree);
+    EXPECT_TRUE(kept.ok) << broken_things(kept);
+    EXPECT_NEAR(kept.orientation_to_poses_deg, 0.4 * std::sin(a), 0.01);
+    const auto cut = turned_short_by(1 * degree);
+    EXPECT_TRUE(only_broken(cut, {"orientation_to_poses_deg"})) << broken_things(cut);
+    EXPECT_NEAR(cut.orientation_to_poses_deg, std::sin(a), 0.01);
+}
+
+/// A pose is passed with the axis off, and nearer in tip and axis together, but too far by the tip, on the next pass.
+TEST(Deviations, APosePassedByTheRightBranchIsKept) {
+    const Tips passes{{0, 0, 0}, {2, 0, 0}, {2, 0.035, 0}, {0, 0.035, 0}};
+    const auto tilted_by = [&](double angle, double tip_off) {
+        std::vector<motion::Setpoint> rows;
+        const auto add = [&](double x, double y, double a) {
+            rows.push_back(row(rows.size(), axes_for({x, y, 0}, a, 0)));
+        };
+        for (int n = 0; n <= 400; ++n) add(0.005 * n, -tip_off, angle);
+        for (int n = 1; n <= 20; ++n) add(2, n * (0.035 + tip_off) / 20 - tip_off, angle * (20 - n) / 20);
+        for (int n = 400; n >= 0; --n) add(0.005 * n, 0.035, 0);
+        return verdict_of(*setpoint_table(rows), poses_at(passes));
+    };
+    const auto kept = tilted_by(0.08 * degree, 0.005);
+    EXPECT_TRUE(kept.ok) << broken_things(kept);
+    EXPECT_NEAR(kept.orientation_to_poses_deg, 0.08, 1e-3);
+    const auto tip_off = tilted_by(0.08 * degree, 0.025);
+    EXPECT_TRUE(tip_off.first_of("tip_to_poses_mm")) << broken_things(tip_off);
+    const auto turned_off = tilted_by(0.12 * degree, 0.005);
+    EXPECT_FALSE(turned_off.ok);
+}
+
+/// While the tool turns fast the nearest place is that of the axis: a tip that lags behind it has a place in between
+/// that keeps both tolerances, or none.
+TEST(Deviations, ALaggingTipIsJudgedWhereBothTolerancesAreKept) {
+    const double turn = 30 * degree;
+    const std::vector poses{pose({0, 0, 0}, 1, axis_of(0, 0)), pose({1, 0, 0}, 2, axis_of(turn, 0))};
+    const auto lagging_by = [&](double lag) {
+        std::vector<motion::Setpoint> rows;
+        for (int n = 0; n <= 2000; ++n) {
+            const double u = n / 2000.0;
+            rows.push_back(row(rows.size(), axes_for({u - lag * std::sin(180 * degree * u), 0, 0}, u * turn, 0)));
+        }
+        return verdict_of(*setpoint_table(rows), poses);
+    };
+    const auto kept = lagging_by(0.0205);
+    EXPECT_TRUE(kept.ok) << broken_things(kept);
+    EXPECT_GT(kept.tip_deviation_mm, 0.018);
+    const auto broken = lagging_by(0.03);
+    EXPECT_TRUE(only_broken(broken, {"tip_deviation_mm"})) << broken_things(broken);
+    EXPECT_NEAR(broken.tip_deviation_mm, 0.03, 5e-4);
+}
+
 TEST(Deviations, StandingStill) {
     const auto motion = along({{3, 4, 0}, {3, 4, 0}, {3, 4, 0}}, 1);
     EXPECT_TRUE(verdict_of(motion, poses_at({{3, 4, 0}})).ok);

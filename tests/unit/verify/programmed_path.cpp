@@ -46,10 +46,14 @@ TEST(ProgrammedPath, AxesThatAreNotNamedStandAtTheStart) {
 
 TEST(ProgrammedPath, WorkOffsets) {
     auto program = program_of({by_vector({1, 0, 0}, {1, 0, 1}, 1), by_vector({1, 0, 0}, {1, 0, 1}, 2)});
-    program.offsets = {"", "G54", "G55"};
+    program.offsets = {"", "G54", "G54.1 P3"};
     program.moves[0].offset = 1;
     program.moves[1].offset = 2;
-    EXPECT_EQ(code_of(program), "VER0104");
+    const auto lacking = programmed_poses(program, peer_trunnion(), peer_setup());
+    ASSERT_FALSE(lacking);
+    EXPECT_EQ(lacking.error().code, "VER0104");
+    EXPECT_EQ(lacking.error().hint, "add [offsets.\"G54.1 P3\"] to the setup file");  // as TOML takes it
+    program.offsets[2] = "G55";
     auto setup = peer_setup();
     machine::Frame quarter{.origin_mm = {10, 20, 30},
                            .rotation = Eigen::AngleAxisd(90 * degree, Eigen::Vector3d::UnitZ()).toRotationMatrix()};

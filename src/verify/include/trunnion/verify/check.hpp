@@ -68,6 +68,9 @@ struct Verdict {
 /// (but for a slack of 0.02 mm and half the tolerance, angles counting at the flank height; on paths of over 100 m a
 /// two-millionth of their length where that is more). So passes that nearly touch, reversals and crossings are
 /// told apart by order. Distances are then exact: closed form on straight moves, Gauss-Newton on turning ones.
+/// The nearest place weighs tip against turn by the flank height, not by the tolerances: where a row breaks one of them
+/// there, a place within the slack that keeps both is taken instead, if there is one. The same for poses: the nearest
+/// point of the motion within the window around the pose's place, or where that breaks a tolerance one that keeps both.
 /// Rapid limits count for differences that touch a row on a rapid, feed limits for all others.
 /// A thing is broken when: a ratio exceeds limit_excess, an axis leaves its range by more than 1e-9, a deviation of a
 /// row or of a pose exceeds its tolerance by more than 1e-6 mm or 1e-6°, the start or end of the tip is farther than
