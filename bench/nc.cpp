@@ -1,10 +1,12 @@
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "trunnion/nc/read.hpp"
 
@@ -102,6 +104,51 @@ void reading_klartext(benchmark::State& state, bool vectors) {
     reading(state, text, "spiral.h");
 }
 
+/// An ISO program of plain blocks on a spiral, with rotary words under G43.4 or with tool vectors under G43.5.
+void reading_fanuc(benchmark::State& state, bool vectors) {
+    constexpr int blocks = 100'000;
+    std::string text = "%\nO1234 (SPIRAL)\nG21 G17 G90 G94 G54\nG43 H1\nG0 X0. Y0. Z0. A0. C0.\n";
+    text += vectors ? "G43.5 H1\nG1 F3000.\n" : "G43.4 H1\nG1 F3000.\n";
+    for (int i = 0; i < blocks; ++i) {
+        const double t = 1e-3 * i;
+        const double a = 0.2 * std::sin(0.1 * t);
+        text += fmt::format("N{} G1 X{:.4f} Y{:.4f} Z{:.4f} ", i + 1, t * std::cos(t), t * std::sin(t), -0.1 * t);
+        text += vectors ? fmt::format("I{:.6f} J0. K{:.6f}\n", std::sin(a), std::cos(a))
+                        : fmt::format("A{:.4f} C{:.4f}\n", 57.3 * a, 10 * t);
+    }
+    reading(state, text + "M30\n%\n", "spiral.nc");
+}
+
+/// The same text of G-code from a file, part by part.
+void reading_parts(benchmark::State& state) {
+    constexpr int blocks = 1'000'000;
+    const machine::Machine machine = xyzac();
+    const auto file = std::filesystem::temp_directory_path() / fmt::format("trunnion_bench_{}.ngc", ::getpid());
+    {
+        std::ofstream out(file);
+        out << "G21 G90 G64\nG0 X0 Y0 Z0 A0 C0\nF3000\n";
+        for (int i = 0; i < blocks; ++i) {
+            const double t = 1e-3 * (i % 100'000);
+            if (i % 10'000 == 0) out << "G0 Z5\n";
+            out << fmt::format("G1 X{:.4f} Y{:.4f} Z{:.4f} A{:.4f} C{:.4f}\n", t * std::cos(t), t * std::sin(t),
+                               -0.1 * t, 10 * std::sin(0.1 * t), 10 * t);
+        }
+    }
+    nc::ReadOptions options;
+    options.machine = &machine;
+    std::size_t moves = 0;
+    for (auto _ : state) {
+        program::Program part;
+        const auto parts = nc::open_program_file(file, options);
+        while (*(*parts)->next(part)) moves += part.moves.size() - 1;
+    }
+    std::filesystem::remove(file);
+    state.SetItemsProcessed(static_cast<std::int64_t>(moves));
+}
+
+BENCHMARK(reading_parts);
+BENCHMARK_CAPTURE(reading_fanuc, rotary_words, false);
+BENCHMARK_CAPTURE(reading_fanuc, vectors, true);
 BENCHMARK_CAPTURE(reading_klartext, rotary_words, false);
 BENCHMARK_CAPTURE(reading_klartext, vectors, true);
 BENCHMARK_CAPTURE(reading_sinumerik, rotary_words, false);

@@ -134,6 +134,16 @@ Result<machine::Machine> machine_of(const JobOptions& options) {
                  .hint = fmt::format("give -m with a file or one of:{}", shipped)});
 }
 
+nc::ReadOptions reading_options(const JobOptions& options, const machine::Machine& machine) {
+    nc::ReadOptions out;
+    out.machine = &machine;
+    out.feed_given_elsewhere = !options.feed.empty();
+    if (!options.dialect.empty()) out.dialect = nc::dialect_named(options.dialect);
+    if (options.units == "mm") out.units = nc::Units::mm;
+    if (options.units == "inch") out.units = nc::Units::inch;
+    return out;
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> machine_folders() {
@@ -146,33 +156,40 @@ std::vector<std::filesystem::path> machine_folders() {
     return out;
 }
 
-Result<Job> load(const JobOptions& options) {
+Result<Workplace> load_workplace(const JobOptions& options) {
     auto plan = plan_options(options);
     if (!plan) return fail(plan.error());
     auto machine = machine_of(options);
     if (!machine) return fail(machine.error());
-    machine::Setup setup;
-    if (!options.setup.empty()) {
-        auto read = files::read_setup_file(options.setup);
-        if (!read) return fail(read.error());
-        setup = std::move(*read);
+    Workplace out{.machine = std::move(*machine), .options = *plan};
+    if (options.setup.empty()) {
+        out.diagnostics.push_back({.code = "PIPE0101",
+                                   .severity = Severity::warning,
+                                   .text = "no setup given: program zero at the machine zero, tool length 0",
+                                   .hint = "give --setup"});
+        return out;
     }
+    auto setup = files::read_setup_file(options.setup);
+    if (!setup) return fail(setup.error());
+    out.setup = std::move(*setup);
+    return out;
+}
+
+Result<Job> load(const JobOptions& options) {
+    auto workplace = load_workplace(options);
+    if (!workplace) return fail(workplace.error());
     const auto start = std::chrono::steady_clock::now();
-    nc::ReadOptions reading;
-    reading.machine = &*machine;
-    reading.feed_given_elsewhere = !options.feed.empty();
-    if (!options.dialect.empty()) reading.dialect = nc::dialect_named(options.dialect);
-    if (options.units == "mm") reading.units = nc::Units::mm;
-    if (options.units == "inch") reading.units = nc::Units::inch;
-    auto program = nc::read_program_file(options.program, reading);
+    auto program = nc::read_program_file(options.program, reading_options(options, workplace->machine));
     if (!program) return fail(program.error());
     const double read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (options.setup.empty())
-        program->diagnostics.push_back({.code = "PIPE0101",
-                                        .severity = Severity::warning,
-                                        .text = "no setup given: program zero at the machine zero, tool length 0",
-                                        .hint = "give --setup"});
-    return Job{std::move(*program), std::move(*machine), std::move(setup), *plan, read_s};
+    auto& noticed = program->diagnostics;
+    noticed.insert(noticed.end(), workplace->diagnostics.begin(), workplace->diagnostics.end());
+    return Job{std::move(*workplace), std::move(*program), read_s};
+}
+
+Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options,
+                                                            const machine::Machine& machine) {
+    return nc::open_program_file(options.program, reading_options(options, machine));
 }
 
 void print(const Diagnostic& diagnostic, bool quiet) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,7 @@
 #include "trunnion/base/result.hpp"
 #include "trunnion/machine/machine.hpp"
 #include "trunnion/pipeline/plan.hpp"
-#include "trunnion/program/program.hpp"
+#include "trunnion/program/program_parts.hpp"
 
 namespace trunnion::app {
 
@@ -32,16 +33,24 @@ struct JobOptions {
     void add_planning_to(CLI::App& command);
 };
 
-/// Everything read and resolved.
-struct Job {
-    program::Program program;
+/// What a program is worked on with, read and resolved.
+struct Workplace {
     machine::Machine machine;
     machine::Setup setup;
     pipeline::PlanOptions options;
+    std::vector<Diagnostic> diagnostics;  ///< what was assumed
+};
+
+/// That, and the program as a whole; it has the diagnostics of both.
+struct Job : Workplace {
+    program::Program program;
     double read_s = 0;
 };
 
+Result<Workplace> load_workplace(const JobOptions& options);
 Result<Job> load(const JobOptions& options);
+/// The program part by part. The machine must stay.
+Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options, const machine::Machine& machine);
 
 /// Folders that hold shipped machine files, best first.
 std::vector<std::filesystem::path> machine_folders();

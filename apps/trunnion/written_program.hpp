@@ -13,6 +13,7 @@ namespace trunnion::app {
 struct WrittenProgram {
     std::string file, dialect, units = "mm";
     std::string precision = "0.05um", angle_precision = "0.0000005deg";
+    std::string curves = "dialect";  ///< their form
     bool block_numbers = false, inverse_time = false;
 
     void add_to(CLI::App& command, bool dialect_needed);

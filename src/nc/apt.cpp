@@ -30,7 +30,7 @@ constexpr Rule rules[] = {
     {"OPSTOP", &AptReader::stop},
     {"END", &AptReader::stop},
     {"DELAY", &AptReader::delay},
-    {"FINI", &AptReader::finish},
+    {"FINI", &AptReader::end},
     {"PARTNO", &AptReader::part_name},
     {"REMARK", &AptReader::remark},
     {"PPRINT", &AptReader::remark},
@@ -104,20 +104,18 @@ const Rule* rule_for(std::string_view major) noexcept {
 
 }  // namespace
 
-Result<program::Program> AptReader::read() {
-    for (;;) {
-        switch (scanner_.next()) {
-            case StatementScanner::Step::end:
-                return done();
-            case StatementScanner::Step::truncated:
-                refuse("NC0411", "the text ends within a statement", "the last line ends in $: is the file complete?");
-                return fail(findings_.take_error());
-            case StatementScanner::Step::statement:
-                break;
-        }
-        if (!statement()) return fail(findings_.take_error());
-        if (finished_) return done();
+BlockReader::Step AptReader::read_block() {
+    if (finished_) return Step::end;
+    switch (scanner_.next()) {
+        case StatementScanner::Step::end:
+            return Step::end;
+        case StatementScanner::Step::truncated:
+            refuse("NC0411", "the text ends within a statement", "the last line ends in $: is the file complete?");
+            return Step::refused;
+        case StatementScanner::Step::statement:
+            break;
     }
+    return statement() ? Step::block : Step::refused;
 }
 
 bool AptReader::statement() {
@@ -133,22 +131,18 @@ bool AptReader::statement() {
     return (this->*rule->read)();
 }
 
-Result<program::Program> AptReader::done() {
-    if (!end_curve()) return fail(findings_.take_error());
-    if (circle_ && circle_->points == 0) {
-        refuse("NC0415", "the program ends where a circle waits for the GOTO that ends it");
-        return fail(findings_.take_error());
-    }
+bool AptReader::finish() {
+    if (!end_curve()) return false;
+    if (circle_ && circle_->points == 0)
+        return refuse("NC0415", "the program ends where a circle waits for the GOTO that ends it");
     if (finished_ && !trimmed(scanner_.rest()).empty())
         findings_.count("NC0014", Severity::note, scanner_.spot(), "FINI",
                         "the text behind the end of the program is not read");
-    if (program_.moves.size() < 2) {
-        findings_.refuse("NC0005", {}, "the program makes no move", fmt::format("{} poses", program_.moves.size()));
-        return fail(findings_.take_error());
-    }
+    if (program_.moves.size() < 2)
+        return findings_.refuse("NC0005", {}, "the program makes no move",
+                                fmt::format("{} poses", program_.moves.size()));
     report_units(stated_, options_.units, findings_);
-    program_.diagnostics = findings_.take_notices();
-    return std::move(program_);
+    return true;
 }
 
 bool AptReader::units() {
@@ -218,7 +212,7 @@ bool AptReader::delay() {
     return event(EventKind::dwell, true, *seconds);
 }
 
-bool AptReader::finish() {
+bool AptReader::end() {
     finished_ = true;
     return true;
 }
@@ -252,8 +246,9 @@ bool is_apt_word(std::string_view major) noexcept {
     return rule_for(major) != nullptr;
 }
 
-Result<program::Program> read_apt(std::string_view text, std::string_view file_name, const ReadOptions& options) {
-    return AptReader(text, file_name, options).read();
+Result<std::unique_ptr<BlockReader>> open_apt(const ProgramText& text, std::string_view file_name,
+                                              const ReadOptions& options) {
+    return std::make_unique<AptReader>(text, file_name, options);
 }
 
 }  // namespace trunnion::nc

@@ -120,4 +120,10 @@ Result<Arc> arc_through(const Vector3d& start, const Vector3d& via, const Vector
     return Arc{centre, normal, swept(start - centre, end - centre, normal, false)};
 }
 
+double square_of_way(const Arc& arc, const Vector3d& from, const Vector3d& step) {
+    const Vector3d arm = from - arc.centre_mm;
+    const double radius = (arm - arc.normal * arc.normal.dot(arm)).norm();
+    return std::pow(radius * arc.angle_rad, 2) + std::pow(arc.normal.dot(step), 2);
+}
+
 }  // namespace trunnion::nc

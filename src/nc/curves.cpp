@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace trunnion::nc {
 
@@ -33,6 +34,29 @@ std::size_t span_before(const Curve& curve, double u) {
     const auto found = std::lower_bound(first, last, u);
     if (found != first) return static_cast<std::size_t>(found - curve.knots.begin()) - 1;
     return p + static_cast<std::size_t>(std::upper_bound(first, last, u) - first) - 1;
+}
+
+/// The polar form of the polynomial of one span, by de Boor's scheme with a parameter of its own on each level.
+Homogeneous polar(const Curve& curve, std::size_t span, std::span<const double> at) {
+    const auto p = static_cast<std::size_t>(curve.degree);
+    std::array<Homogeneous, most_degree + 1> point;
+    for (std::size_t i = 0; i <= p; ++i) point[i] = homogeneous(curve, span - p + i);
+    for (std::size_t level = 1; level <= p; ++level)
+        for (std::size_t i = p; i >= level; --i) {
+            const double from = curve.knots[span - p + i], to = curve.knots[span + 1 + i - level];
+            const double share = (at[level - 1] - from) / (to - from);
+            point[i] = (1 - share) * point[i - 1] + share * point[i];
+        }
+    return point[p];
+}
+
+/// The knots of a part, both of its ends as often as a curve takes that begins and ends there.
+std::vector<double> knots_within(const Curve& curve, double from_u, double to_u) {
+    const auto fold = static_cast<std::size_t>(curve.degree) + 1;
+    std::vector<double> knots(fold, from_u);
+    std::ranges::copy_if(curve.knots, std::back_inserter(knots), [&](double u) { return from_u < u && u < to_u; });
+    knots.insert(knots.end(), fold, to_u);
+    return knots;
 }
 
 /// Where those of `first` … `last` are of spans. A 0 at an end repeats a knot that has its full multiplicity.
@@ -70,18 +94,32 @@ std::optional<Spans> spans_of(std::span<const double> lengths, const std::vector
 }
 
 CurvePose pose_at(const Curve& curve, double u) {
-    const auto p = static_cast<std::size_t>(curve.degree);
-    const std::size_t span = span_before(curve, u);
-    std::array<Homogeneous, most_degree + 1> point;
-    for (std::size_t i = 0; i <= p; ++i) point[i] = homogeneous(curve, span - p + i);
-    for (std::size_t level = 1; level <= p; ++level)
-        for (std::size_t i = p; i >= level; --i) {
-            const double from = curve.knots[span - p + i], to = curve.knots[span + 1 + i - level];
-            const double share = (u - from) / (to - from);
-            point[i] = (1 - share) * point[i - 1] + share * point[i];
-        }
-    const Homogeneous pose = point[p] / point[p][0];
+    std::array<double, most_degree> at;
+    at.fill(u);
+    const Homogeneous point = polar(curve, span_before(curve, u), at);
+    const Homogeneous pose = point / point[0];
     return {pose.segment<3>(1), pose.segment<3>(4), {pose[7], pose[8], pose[9]}};
+}
+
+Curve part_of_curve(const Curve& curve, double from_u, double to_u) {
+    const auto p = static_cast<std::size_t>(curve.degree);
+    Curve out;
+    out.degree = curve.degree;
+    out.knots = knots_within(curve, from_u, to_u);
+    const double first_weight = polar(curve, span_before(curve, out.knots[p + 1]), std::span(out.knots).first(p))[0];
+    for (std::size_t i = 0; i + p + 1 < out.knots.size(); ++i) {
+        std::size_t span = i;  // any that this control point takes part in
+        while (!(out.knots[span] < out.knots[span + 1])) ++span;
+        const std::span at = std::span(out.knots).subspan(i + 1, p);
+        Homogeneous point = polar(curve, span_before(curve, out.knots[span + 1]), at);
+        if (!curve.weights.empty()) out.weights.push_back(point[0] / first_weight);
+        point /= point[0];
+        out.position_mm.emplace_back(point.segment<3>(1));
+        if (!curve.axis.empty()) out.axis.emplace_back(point.segment<3>(4));
+        if (!curve.rotary_rad.empty()) out.rotary_rad.push_back({point[7], point[8], point[9]});
+    }
+    for (double& knot : out.knots) knot -= from_u;
+    return out;
 }
 
 std::vector<double> clamped_knots(int degree, std::span<const double> distances) {
@@ -105,6 +143,19 @@ std::vector<double> bernstein_ordinates(std::span<const double> coefficients) {
     return ordinates;
 }
 
+std::vector<double> power_coefficients(std::span<const double> ordinates) {
+    std::vector<double> out(ordinates.begin(), ordinates.end());
+    const std::size_t degree = out.size() - 1;
+    for (std::size_t k = 1; k <= degree; ++k)
+        for (std::size_t i = degree; i >= k; --i) out[i] -= out[i - 1];
+    double choices = 1;
+    for (std::size_t k = 1; k <= degree; ++k) {
+        choices *= static_cast<double>(degree + 1 - k) / static_cast<double>(k);
+        out[k] *= choices;
+    }
+    return out;
+}
+
 bool has_direction_everywhere(const Curve& curve) {
     const auto p = static_cast<std::size_t>(curve.degree);
     for (std::size_t first = 0; first + p < curve.axis.size(); ++first) {
@@ -115,6 +166,33 @@ bool has_direction_everywhere(const Curve& curve) {
         if (!std::ranges::all_of(within, [&](const Vector3d& axis) { return axis.dot(middle) > 0; })) return false;
     }
     return true;
+}
+
+const Curve* curve_followed(const program::Program& program, std::size_t move) {
+    if (move >= program.moves.size() || program.moves[move].curve_part == program::no_curve_part) return nullptr;
+    const auto& part = program.curve_parts[static_cast<std::size_t>(program.moves[move].curve_part)];
+    return &program.curves[static_cast<std::size_t>(part.curve)];
+}
+
+std::size_t moves_along_curve(const program::Program& program, std::size_t first) {
+    const Curve* const curve = curve_followed(program, first);
+    if (!curve || first == 0) return 0;
+    const program::Move& begin = program.moves[first];
+    const auto event = std::ranges::upper_bound(program.events, first, {}, &program::Event::before_move);
+    const std::size_t end = event == program.events.end() ? program.moves.size() : event->before_move;
+    const program::CurvePart* before = nullptr;
+    std::size_t k = first;
+    for (; k < end && curve_followed(program, k) == curve; ++k) {
+        const program::Move& move = program.moves[k];
+        const program::CurvePart& part = program.curve_parts[static_cast<std::size_t>(move.curve_part)];
+        const bool stops = k > first && program.moves[k - 1].exact_stop;
+        const bool goes_on = (!before || part.from_u == before->to_u) && move.space == begin.space &&
+                             move.offset == begin.offset && move.tool == begin.tool && move.law == begin.law &&
+                             move.kind == program::MoveKind::feed;
+        if (stops || !goes_on) break;
+        before = &part;
+    }
+    return k - first;
 }
 
 void follow_curve(program::Program& program, program::Move& move, const program::CurvePart& part) {

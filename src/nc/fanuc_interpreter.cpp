@@ -36,7 +36,7 @@ int tenths_of(const Word& word) {
     return good ? static_cast<int>(tenths) : -1;
 }
 
-Interpreter::Interpreter(std::string_view text, std::string_view file_name, Findings& findings,
+Interpreter::Interpreter(const ProgramText& text, std::string_view file_name, Findings& findings,
                          const ControlParameters& control, const Limits& limits)
     : findings_(findings),
       limits_(limits),
@@ -45,7 +45,7 @@ Interpreter::Interpreter(std::string_view text, std::string_view file_name, Find
       folder_(file_name) {
     if (main_.beginning().behind_header)
         findings_.count("NC0861", Severity::note, {1, 1}, "header", "the lines before % are no code: passed over");
-    const Section& section = main_.main_section();
+    const Section section = main_.main_section();
     running_.push_back({.source = &main_, .section = section, .start = section.begin, .at = section.begin});
 }
 
@@ -55,7 +55,7 @@ Interpreter::Step Interpreter::next(Block& block) {
         if (pending_) {
             const Call call = *std::exchange(pending_, std::nullopt);
             outcome = carry_out(call);
-        } else if (now().at.offset < now().section.end) {
+        } else if (now().at.offset < std::min(now().section.end, now().source->text().size())) {
             outcome = line(block);
         } else {
             outcome = Outcome::section_end;
@@ -68,7 +68,7 @@ Interpreter::Step Interpreter::next(Block& block) {
 }
 
 bool Interpreter::code_is_left() const {
-    const std::string_view rest = main_.text().substr(std::min(running_.front().at.offset, main_.text().size()));
+    const std::string_view rest = main_.text().view().substr(std::min(position(), main_.text().size()));
     return rest.find_first_not_of("% \t\r\n;") != rest.npos;
 }
 
@@ -78,8 +78,8 @@ void Interpreter::begin_line() {
     const Place& at = now().at;
     const std::string_view whole = now().source->line_at(at);
     cursor_.line = whole;
-    cursor_.rest = whole.substr(
-        std::min(whole.size(), static_cast<std::size_t>(now().source->text().data() + at.offset - whole.data())));
+    cursor_.rest = whole.substr(std::min(
+        whole.size(), static_cast<std::size_t>(now().source->text().view().data() + at.offset - whole.data())));
     cursor_.number = at.line;
     cursor_.file = now().source->file();
     line_goes_on_ = cursor_.rest.size() != whole.size();
@@ -98,7 +98,7 @@ bool Interpreter::count_line() {
 
 /// Where the next block begins: behind a `;` in the line, or in the next line.
 void Interpreter::go_behind_line() {
-    const char* const begin = now().source->text().data();
+    const char* const begin = now().source->text().view().data();
     cursor_.rest = skip_blanks(cursor_.rest);
     if (cursor_.rest.starts_with(';') && !skip_blanks(cursor_.rest.substr(1)).empty())
         now().at.offset = static_cast<std::size_t>(cursor_.rest.data() + 1 - begin);
@@ -116,8 +116,10 @@ Interpreter::Outcome Interpreter::line(Block& block) {
         const std::string_view title = trimmed(cursor_.rest.substr(0, cursor_.rest.find_first_of("(;")));
         if (running_.size() == 1) name_ = title;
         if (!take_program_number(cursor_.rest)) cursor_.rest.remove_prefix(title.size());
+        now().fresh = false;
     }
     if (first == '*' || first == '/') {
+        now().fresh = now().fresh && first == '*';
         if (first == '*')
             findings_.ignored(cursor_.spot(), "*");
         else
@@ -382,7 +384,8 @@ Interpreter::Outcome Interpreter::loop() {
 /// Goes behind the END of a number.
 bool Interpreter::leave_loop(int number) {
     Running& running = now();
-    while (running.at.offset < running.section.end) {
+    const std::size_t end = running.source->end_of(running.section);
+    while (running.at.offset < end) {
         begin_line();
         if (running.at.offset < running.furthest && !count_line()) return false;
         running.at = running.source->line_behind(running.at);

@@ -15,7 +15,6 @@ using program::Space;
 
 namespace {
 
-constexpr double still_mm = 1e-7;  ///< coordinates that change less make a block a pure rotation
 constexpr double whole_turn = 2 * std::numbers::pi;
 constexpr double same_angle_rad = 1e-9;
 constexpr double smallest_vector = 1e-12;
@@ -275,9 +274,7 @@ bool FanucReader::leave_out(const Way& way) {
 }
 
 void FanucReader::add(const Move& move) {
-    if (program_.moves.empty() || move.arc != program::no_arc || move.curve_part != program::no_curve_part ||
-        !same_place(program_.moves.back(), move))
-        program_.moves.push_back(move);
+    append(program_, move);
 }
 
 /// F as a speed in mm/s; 0 where none was given and that is allowed.
@@ -314,12 +311,7 @@ bool FanucReader::feed_of(Move& move, const Way& way) {
         move.feed = speed > 0 ? program::Feed{FeedRule::block_time, 1 / speed} : program::Feed{FeedRule::tip_speed, 0};
         return true;
     }
-    bool goes = way.arc.has_value() || program_.moves.empty();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-        const double to = move.position_mm[i], from = position_mm_[i];
-        goes = goes || (!std::isnan(to) && !(std::abs(to - from) <= still_mm));
-    }
-    if (goes)
+    if (way.arc || program_.moves.empty() || goes(position_mm_, move.position_mm))
         move.feed = {FeedRule::tip_speed, speed};
     else
         move.feed = {FeedRule::rotary_rate, speed / modes_.feed_unit_mm * degree};
@@ -394,48 +386,27 @@ bool FanucReader::never_started() {
                   "say them at the start, like G0 X0 Y0 Z10");
 }
 
-void FanucReader::keep_used_letters() {
-    std::array<std::size_t, program::max_rotary_letters> slots{};
-    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
-        if ((rotary_ever_ & (1u << i)) == 0) continue;
-        slots[program_.rotary_letters.size()] = i;
-        program_.rotary_letters.push_back(control_.rotary_letter(i));
-    }
-    const auto used = [&](const RotaryWords& all) {
-        RotaryWords kept{};
-        for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) kept[i] = all[slots[i]];
-        return kept;
-    };
-    for (Move& move : program_.moves)
-        if (move.law == OrientationLaw::rotary) move.rotary_rad = used(move.rotary_rad);
-    for (program::Curve& curve : program_.curves)
-        for (RotaryWords& words : curve.rotary_rad) words = used(words);
-}
-
 /// What the text left open and was assumed.
 void FanucReader::tell_assumptions() {
-    const Move& first = program_.moves.front();
-    for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i)
-        if (first.law == OrientationLaw::rotary && std::isnan(first.rotary_rad[i]))
+    const Move& first = first_move();
+    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
+        const char letter = rotary_letter(i);
+        if (is_said(i) && first.law == OrientationLaw::rotary && std::isnan(first.rotary_rad[i]))
             findings_.count(
-                "NC0870", Severity::note, {first.line, 1}, std::string_view(&program_.rotary_letters[i], 1),
+                "NC0870", Severity::note, {first.line, 1}, std::string_view(&letter, 1),
                 "the program moves before it says where this axis stands: the setup's start counts, else 0");
+    }
     if (interpreter_.code_is_left())
         findings_.count("NC0014", Severity::note, {block_.line, 1}, "end",
                         "the text behind the end of the program is not read");
     report_units(stated_, options_.units, findings_);
 }
 
-Result<program::Program> FanucReader::done() {
-    if (program_.moves.size() < 2) {
-        never_started();
-        return fail(findings_.take_error());
-    }
-    if (!interpreter_.program_name().empty()) program_.name = interpreter_.program_name();
-    keep_used_letters();
+bool FanucReader::finish() {
+    if (!end_nurbs()) return false;
+    if (program_.moves.size() < 2) return never_started();
     tell_assumptions();
-    program_.diagnostics = findings_.take_notices();
-    return std::move(program_);
+    return true;
 }
 
 }  // namespace trunnion::nc::fanuc

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "detail/curves.hpp"
 #include "detail/fanuc_reader.hpp"
 
 namespace trunnion::nc::fanuc {
@@ -14,32 +15,6 @@ namespace {
 constexpr double same_place_mm = 0.01;  ///< the first control point is where the tool stands
 constexpr double same_angle_rad = 1e-4;
 constexpr std::size_t fewest_order = 2, most_order = 4;
-
-/// Position times weight, rotary words times weight, weight.
-using Point = Eigen::Matrix<double, 7, 1>;
-
-Point control_point_of(const Curve& curve, std::size_t i) {
-    Point point = Point::Zero();
-    point.head<3>() = curve.position_mm[i];
-    for (Eigen::Index k = 0; k < 3 && !curve.rotary_rad.empty(); ++k)
-        point[3 + k] = curve.rotary_rad[i][static_cast<std::size_t>(k)];
-    point[6] = 1;
-    return point * curve.weights[i];
-}
-
-/// De Boor's algorithm in the span [knots[span], knots[span + 1]], not empty.
-Point value_at(const Curve& curve, double u, std::size_t span) {
-    const auto degree = static_cast<std::size_t>(curve.degree);
-    std::array<Point, most_order> points;
-    for (std::size_t j = 0; j <= degree; ++j) points[j] = control_point_of(curve, span - degree + j);
-    for (std::size_t r = 1; r <= degree; ++r)
-        for (std::size_t j = degree; j >= r; --j) {
-            const double left = curve.knots[span - degree + j], right = curve.knots[span + 1 + j - r];
-            const double share = (u - left) / (right - left);
-            points[j] = (1 - share) * points[j - 1] + share * points[j];
-        }
-    return points[degree] / points[degree][6];
-}
 
 }  // namespace
 
@@ -143,7 +118,8 @@ bool FanucReader::check_nurbs() {
     return true;
 }
 
-/// One move for every span that is not empty. Weights make no difference to a frame, which keeps straight lines.
+/// One move for every span that is not empty; all together are one block to an exact stop. Weights make no difference
+/// to a frame, which keeps straight lines.
 bool FanucReader::keep_curve() {
     Curve curve = std::move(nurbs_->curve);
     curve.position_mm.front() = nurbs_->start_mm;
@@ -160,17 +136,18 @@ bool FanucReader::keep_curve() {
     Move move = move_to(curve.position_mm.back(), program::MoveKind::feed);
     move.feed = nurbs_->feed;
     move.line = nurbs_->spot.line;
+    const bool stops = move.exact_stop;
     for (std::size_t span = nurbs_->order - 1; span < points; ++span) {
         if (!(curve.knots[span] < curve.knots[span + 1])) continue;
-        const Point end = value_at(curve, curve.knots[span + 1], span);
-        if (!end.head<3>().allFinite() || end.tail<4>().array().isInf().any())
-            return refuse("NC0201", nurbs_->spot, "the position is not finite");
         const bool last = span + 1 == points;
-        move.position_mm = last ? curve.position_mm.back() : Vector3d(end.head<3>());
-        for (std::size_t i = 0; i < move.rotary_rad.size() && nurbs_->turns; ++i)
-            move.rotary_rad[i] = last ? curve.rotary_rad.back()[i] : end[3 + static_cast<Eigen::Index>(i)];
-        move.curve_part = static_cast<std::int32_t>(program_.curve_parts.size());
-        program_.curve_parts.push_back({number, curve.knots[span], curve.knots[span + 1]});
+        const CurvePose end = pose_at(curve, curve.knots[span + 1]);
+        move.position_mm = last ? curve.position_mm.back() : end.position_mm;
+        if (nurbs_->turns) move.rotary_rad = last ? curve.rotary_rad.back() : end.rotary_rad;
+        const auto infinite = [](double word) { return std::isinf(word); };
+        if (!move.position_mm.allFinite() || std::ranges::any_of(move.rotary_rad, infinite))
+            return refuse("NC0201", nurbs_->spot, "the position is not finite");
+        move.exact_stop = last && stops;
+        follow_curve(program_, move, {number, curve.knots[span], curve.knots[span + 1]});
         program_.moves.push_back(move);
     }
     position_mm_ = curve.position_mm.back();

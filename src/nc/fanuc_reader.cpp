@@ -1,7 +1,6 @@
 #include "detail/fanuc_reader.hpp"
 
 #include <algorithm>
-#include <filesystem>
 
 namespace trunnion::nc::fanuc {
 
@@ -23,16 +22,12 @@ bool is_length_or_angle(char letter) {
 
 }  // namespace
 
-FanucReader::FanucReader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control)
-    : findings_(file_name),
-      options_(options),
+FanucReader::FanucReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options,
+                         Control control)
+    : BlockReader(file_name, options, Dialect::fanuc),
       control_(std::move(control)),
       interpreter_(text, file_name, findings_, *this, {.lines = options.most_repeated_lines}) {
-    program_.source = file_name;
-    program_.name = std::filesystem::path(file_name).stem().string();
-    program_.dialect = name_of(Dialect::fanuc);
     program_.offsets.emplace_back("G54");  // in force when a program starts
-    program_.moves.reserve(text.size() / 32 + 1);
     modes_.offset = 1;
     if (options.units == Units::inch) modes_.unit_mm = modes_.feed_unit_mm = inch_mm;
     position_mm_.setConstant(unknown);
@@ -40,16 +35,19 @@ FanucReader::FanucReader(std::string_view text, std::string_view file_name, cons
     rotary_rad_.fill(unknown);
 }
 
-Result<program::Program> FanucReader::read() {
-    for (;;) {
-        const Interpreter::Step step = interpreter_.next(block_);
-        if (step == Interpreter::Step::end) {
-            if (!end_nurbs()) return fail(findings_.take_error());
-            return done();
-        }
-        if (step == Interpreter::Step::refused || !block()) return fail(findings_.take_error());
-        if (finished_) return done();
+BlockReader::Step FanucReader::read_block() {
+    if (finished_) return Step::end;
+    switch (interpreter_.next(block_)) {
+        case Interpreter::Step::end:
+            return Step::end;
+        case Interpreter::Step::refused:
+            return Step::refused;
+        case Interpreter::Step::block:
+            break;
     }
+    if (!block()) return Step::refused;
+    if (!interpreter_.program_name().empty()) program_.name = interpreter_.program_name();
+    return Step::block;
 }
 
 /// What the control keeps in variables and is known here: units, distance, plane, and where the last block ended.
@@ -411,7 +409,7 @@ bool FanucReader::offset_data(int number) {
     Eigen::Vector3d values;
     if (!linear_words(values, unknown)) return false;
     const auto known = offset_data_.find(*offset);
-    const bool used = std::ranges::any_of(program_.moves, [&](const program::Move& m) { return m.offset == *offset; });
+    const bool used = is_moved_in(*offset);
     Eigen::Vector3d& shift = offset_shift_mm_.try_emplace(*offset, Eigen::Vector3d::Zero()).first->second;
     if (modes_.absolute && known == offset_data_.end()) {
         if (used) return refuse("NC0840", word, "a work offset is set after it was moved in: by how much is not known");
@@ -462,16 +460,17 @@ bool FanucReader::stops() {
 
 namespace trunnion::nc {
 
-Result<program::Program> read_fanuc(std::string_view text, std::string_view file_name, const ReadOptions& options) {
+Result<std::unique_ptr<BlockReader>> open_fanuc(const ProgramText& text, std::string_view file_name,
+                                                const ReadOptions& options) {
     auto control = Control::make(options.machine);
     if (!control) return fail(std::move(control.error()));
-    if (text.starts_with("%PM") || text.starts_with("%MM"))
+    if (text.view().starts_with("%PM") || text.view().starts_with("%MM"))
         return fail(Diagnostic{.code = "NC0801",
                                .text = "MillPlus programs are not read: G70, G93 and B5= mean other things there",
                                .place = {.file = std::string(file_name), .line = 1, .column = 1},
-                               .value = std::string(text.substr(0, 3)),
+                               .value = std::string(text.view().substr(0, 3)),
                                .hint = "post the program for another control, or as CL data"});
-    return fanuc::FanucReader(text, file_name, options, std::move(*control)).read();
+    return std::make_unique<fanuc::FanucReader>(text, file_name, options, std::move(*control));
 }
 
 }  // namespace trunnion::nc

@@ -53,13 +53,13 @@ bool begins_like_code(std::string_view line) {
     return !line.empty() && (starts_number(line.front()) || line.front() == '#' || line.front() == '[');
 }
 
-Beginning beginning_of(std::string_view text) {
+Beginning beginning_of(const ProgramText& text) {
     Beginning beginning;
-    LineScanner lines(text);
+    LineScanner lines(text.again());
     for (std::string_view line; lines.next(line);) {
         line = trimmed(line);
         if (line.starts_with('%')) {
-            beginning.place = {text.size() - lines.rest().size(), lines.number() + 1};
+            beginning.place = {lines.offset(), number_behind(lines.number())};
             return beginning;
         }
         if (begins_like_code(line) || is_title(line)) return {};
@@ -87,7 +87,7 @@ bool is_title(std::string_view line) {
 
 // ------------------------------------------------------------------------------------------------------------ sources
 
-Source::Source(std::string_view text, std::string file)
+Source::Source(const ProgramText& text, std::string file)
     : file_(std::move(file)), text_(text), beginning_(beginning_of(text)) {}
 
 std::unique_ptr<Source> Source::keeping(std::string file, std::string text) {
@@ -98,23 +98,25 @@ std::unique_ptr<Source> Source::keeping(std::string file, std::string text) {
     return source;
 }
 
-std::string_view Source::line_at(const Place& place) const {
-    const std::size_t before = place.offset == 0 ? text_.npos : text_.rfind('\n', place.offset - 1);
-    const std::size_t begin = before == text_.npos ? 0 : before + 1;
-    return text_.substr(begin, text_.find('\n', place.offset) - begin);
+std::string_view Source::line_at(const Place& place) {
+    const std::string_view before = text_.view().substr(0, place.offset);
+    std::size_t behind = 0;
+    return text_.line(before.rfind('\n') + 1, behind);
 }
 
-Place Source::line_behind(const Place& place) const {
-    const std::size_t end = text_.find('\n', place.offset);
-    return {end == text_.npos ? text_.size() : end + 1, place.line + 1};
+Place Source::line_behind(const Place& place) {
+    Place behind{place.offset, number_behind(place.line)};
+    text_.line(place.offset, behind.offset);
+    return behind;
 }
 
 void Source::cut_sections() {
     sections_.push_back({.begin = beginning_.place, .end = text_.size()});
     bool code_before = false;
+    Source scan(text_.again());
     Place place = beginning_.place;
-    for (; place.offset < text_.size(); place = line_behind(place)) {
-        std::string_view line = skip_blanks(line_at(place));
+    for (; place.offset < text_.size(); place = scan.line_behind(place)) {
+        std::string_view line = skip_blanks(scan.line_at(place));
         if (line.starts_with('%')) break;
         if (is_title(line)) {
             sections_.back().end = place.offset;
@@ -128,9 +130,26 @@ void Source::cut_sections() {
     sections_.back().end = std::min(sections_.back().end, place.offset);
 }
 
-const Section& Source::main_section() {
+Section Source::main_section() {
+    Section section{.begin = beginning_.place, .end = text_.size()};
+    Source scan(text_.again());
+    for (Place place = section.begin; place.offset < text_.size(); place = scan.line_behind(place)) {
+        std::string_view line = skip_blanks(scan.line_at(place));
+        if (begins_like_code(line) && !is_title(line)) break;
+        if (line.starts_with('%')) break;
+        if (!is_title(line)) continue;
+        section.begin = place;
+        section.number = take_program_number(line).value_or(-1);
+        break;
+    }
+    return section;
+}
+
+std::size_t Source::end_of(const Section& section) {
     if (sections_.empty()) cut_sections();
-    return sections_.front();
+    const auto found =
+        std::ranges::find(sections_, section.begin.offset, [](const Section& known) { return known.begin.offset; });
+    return found == sections_.end() ? section.end : found->end;
 }
 
 const Section* Source::section(int number) {
@@ -140,15 +159,17 @@ const Section* Source::section(int number) {
 }
 
 const std::vector<Place>& Source::labels(const Section& section, int number) {
-    const auto [entry, is_new] = labels_.try_emplace(section.begin.offset);
-    Labels& labels = entry->second;
-    for (Place place = section.begin; is_new && place.offset < section.end; place = line_behind(place)) {
-        std::string_view line = without_block_delete(line_at(place));
+    const auto [entry, is_new] = labels_.try_emplace({section.begin.offset, number});
+    if (!is_new) return entry->second;
+    const std::size_t end = end_of(section);
+    Source scan(text_.again());
+    for (Place place = section.begin; place.offset < end; place = scan.line_behind(place)) {
+        std::string_view line = without_block_delete(scan.line_at(place));
         if (line.empty() || upper(line.front()) != 'N') continue;
         line = skip_blanks(line.substr(1));
-        if (const auto label = take_whole(line)) labels[*label].push_back(place);
+        if (take_whole(line) == number) entry->second.push_back(place);
     }
-    return labels[number];
+    return entry->second;
 }
 
 // ------------------------------------------------------------------------------------------------------------- folder

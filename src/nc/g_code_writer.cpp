@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::string_view linear_letters[] = {"X", "Y", "Z"}, centre_letters[] = {"I", "J", "K"};
 constexpr double whole_turn = 2 * std::numbers::pi;
-constexpr double finer_centre = 0.01;  ///< of the precision: an arc's centre has two digits more than its ends
 
 }  // namespace
 
@@ -81,7 +80,10 @@ void GCodeWriter::orientation_words(const Move& to) {
 
 /// F where it changes; with G93 in every block.
 void GCodeWriter::feed_words(const Move& to, bool on_arc) {
-    const FeedWord feed = feed_word(to, on_arc, true, habits_.turn_mm);
+    put_feed(feed_word(to, on_arc, true, habits_.turn_mm));
+}
+
+void GCodeWriter::put_feed(const FeedWord& feed) {
     if (feed.kind == FeedWord::Kind::none) return;
     const bool inverse = feed.kind == FeedWord::Kind::inverse_time;
     if (!inverse && !inverse_time_ && feed.number == feed_) return;
@@ -102,6 +104,7 @@ bool GCodeWriter::straight(const Move& to) {
     motion_word(to.kind == program::MoveKind::rapid ? 0 : 1);
     linear_words();
     orientation_words(to);
+    following_words();
     feed_words(to, false);
     out_.end_line();
     arrive(to);
@@ -143,7 +146,7 @@ bool GCodeWriter::arc(const Move& to) {
     Vector3d start = said_mm(), end = goal_mm();
     if (std::isnan(start[along]) || std::isnan(end[along])) start[along] = end[along] = 0;
     if ((start + end).hasNaN()) return false;
-    const DecimalGrid grid = DecimalGrid::within(options_.precision_mm * finer_centre / unit_mm());
+    const DecimalGrid grid = DecimalGrid::within(options_.precision_mm * finer_share / unit_mm());
     std::array<std::int64_t, 3> way{};
     Vector3d centre = start;
     for (int i = 0; i < 3; ++i) {
@@ -164,6 +167,7 @@ bool GCodeWriter::arc(const Move& to) {
     for (std::size_t i = 0; i < 3; ++i)
         if (static_cast<int>(i) != along) word(centre_letters[i], grid, way[i]);
     if (turns > 0) turn_words(turns);
+    following_words();
     feed_words(to, true);
     out_.end_line();
     arrive(to);

@@ -1,7 +1,7 @@
 #include "detail/gzip.hpp"
 
-#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -11,7 +11,7 @@ namespace trunnion::nc {
 namespace {
 
 constexpr int gzip_window = 15 + 16;  ///< the largest window, and a gzip head
-constexpr std::size_t piece = std::size_t{1} << 20;
+constexpr std::size_t piece = std::size_t{1} << 18;
 
 struct InflateEnd {
     void operator()(z_stream* stream) const { inflateEnd(stream); }
@@ -23,38 +23,60 @@ Diagnostic damaged(std::string_view why) {
             .hint = "gzip -t says whether it is whole"};
 }
 
+/// Bytes of the archive that inflate() has not taken yet.
+class Packed {
+  public:
+    explicit Packed(const ByteSource& source) : source_(source), bytes_(piece) {}
+
+    /// Makes the next ones known to the stream; false at the end.
+    bool fill(z_stream& stream) {
+        if (stream.avail_in > 0) return true;
+        stream.next_in = reinterpret_cast<Bytef*>(bytes_.data());
+        stream.avail_in = static_cast<uInt>(source_(bytes_));
+        return stream.avail_in > 0;
+    }
+    /// Passes over zeros, which fill up a block of a tape; false at the end.
+    bool skip_zeros(z_stream& stream) {
+        while (fill(stream)) {
+            if (*stream.next_in != 0) return true;
+            ++stream.next_in;
+            --stream.avail_in;
+        }
+        return false;
+    }
+
+  private:
+    const ByteSource& source_;
+    std::vector<char> bytes_;
+};
+
 }  // namespace
 
-Result<std::string> inflated(std::string_view archive, std::size_t most) {
+Result<bool> inflate_archive(const ByteSource& archive, std::uint64_t most, const ByteSink& sink) {
     z_stream stream{};
     if (inflateInit2(&stream, gzip_window) != Z_OK) return fail(damaged("no memory"));
     const std::unique_ptr<z_stream, InflateEnd> end(&stream);
-    std::string text;
-    std::size_t used = 0, length = 0;
-    for (bool output_full = false; used < archive.size() || output_full;) {
-        if (text.size() - length < piece) text.resize(std::max(2 * text.size(), piece));
-        const std::size_t given = std::min(archive.size() - used, piece);
-        stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(archive.data() + used));
-        stream.avail_in = static_cast<uInt>(given);
-        stream.next_out = reinterpret_cast<Bytef*>(text.data() + length);
+    Packed packed(archive);
+    std::vector<char> out(piece);
+    std::uint64_t length = 0;
+    for (bool output_full = false; output_full || packed.fill(stream);) {
+        stream.next_out = reinterpret_cast<Bytef*>(out.data());
         stream.avail_out = static_cast<uInt>(piece);
         const int state = inflate(&stream, Z_NO_FLUSH);
-        used += given - stream.avail_in;
-        length += piece - stream.avail_out;
         output_full = stream.avail_out == 0;
+        const std::size_t come_out = piece - stream.avail_out;
+        length += come_out;
         if (length > most)
             return fail(Diagnostic{.code = "NC0008",
                                    .text = fmt::format("more than {} bytes come out of this archive", most),
                                    .hint = "cut the program in parts"});
+        if (!sink({out.data(), come_out})) return false;
         if (state == Z_STREAM_END) {
-            // Another member may follow, or zeros that fill up a block of a tape.
-            if (archive.substr(used).find_first_not_of('\0') == archive.npos) {
-                text.resize(length);
-                return text;
-            }
+            if (!packed.skip_zeros(stream)) return true;
             if (inflateReset(&stream) != Z_OK) return fail(damaged("no memory"));
+            output_full = false;
         } else if (state == Z_BUF_ERROR) {
-            break;
+            output_full = false;  // all that was given has come out: the next bytes, or it is cut off
         } else if (state != Z_OK) {
             return fail(damaged(stream.msg ? stream.msg : "its data do not fit"));
         }

@@ -226,11 +226,12 @@ bool HeidenhainReader::rounding() {
 bool HeidenhainReader::is_corner_of_lines(const Move& move) const {
     const auto& moves = program_.moves;
     if (moves.size() < 2) return false;
+    const auto same_angle = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     const auto fits = [&](const Move& other) {
         const bool turned_alike =
-            other.law == move.law &&
-            (move.law == program::OrientationLaw::vector ? other.axis == move.axis
-                                                         : other.rotary_rad == move.rotary_rad || rotary_ever_ == 0);
+            other.law == move.law && (move.law == program::OrientationLaw::vector
+                                          ? other.axis == move.axis
+                                          : std::ranges::equal(other.rotary_rad, move.rotary_rad, same_angle));
         return other.space == move.space && other.offset == move.offset && other.tool == move.tool && turned_alike &&
                !other.position_mm.hasNaN();
     };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace trunnion::nc::heidenhain {
@@ -19,11 +18,13 @@ bool same(double a, double b) {
 
 }  // namespace
 
-Interpreter::Interpreter(std::string_view text, std::string_view file_name, Findings& findings,
+Interpreter::Interpreter(const ProgramText& text, std::string_view file_name, Findings& findings,
                          std::int64_t most_repeated_lines)
-    : findings_(findings), main_("", text), folder_(file_name), values_(cursor_, findings) {
-    constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max() / 2;
-    blocks_left_ = main_.lines() + std::clamp(most_repeated_lines, std::int64_t{0}, most);
+    : findings_(findings),
+      main_("", text),
+      folder_(file_name),
+      values_(cursor_, findings),
+      blocks_left_(most_repeated_lines) {
     frames_.push_back({.source = &main_});
 }
 
@@ -58,8 +59,16 @@ Interpreter::Step Interpreter::next() {
     }
 }
 
+/// The text once is free.
+bool Interpreter::count_block() {
+    const std::size_t behind = frames_.back().place.offset;
+    if (frames_.size() > 1 || behind <= furthest_) return --blocks_left_ >= 0;
+    furthest_ = behind;
+    return true;
+}
+
 Interpreter::Outcome Interpreter::carry_out() {
-    if (--blocks_left_ < 0)
+    if (!count_block())
         return refuse("NC0743", 0, "the program does not end: too many blocks were carried out again", {},
                       "a jump or a repeat without an end?");
     switch (cursor_.front()) {

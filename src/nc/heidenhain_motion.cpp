@@ -16,17 +16,9 @@ using program::Space;
 
 namespace {
 
-constexpr double still_mm = 1e-7;  ///< coordinates that change less make a block a pure rotation
 constexpr double smallest_vector = 1e-12;
 constexpr double whole_turn = 360;  ///< degrees, as words count
 constexpr std::uint32_t position_words = Addresses::bits(Address::x, Address::rotary_3);
-
-/// Of the way along a circle or helix from a place on it.
-double square_of_length(const program::Arc& arc, const Vector3d& from, const Vector3d& step) {
-    const Vector3d arm = from - arc.centre_mm;
-    const double radius = (arm - arc.normal * arc.normal.dot(arm)).norm();
-    return std::pow(radius * arc.angle_rad, 2) + std::pow(arc.normal.dot(step), 2);
-}
 
 constexpr Address linear[] = {Address::x, Address::y, Address::z};
 
@@ -260,8 +252,7 @@ std::int32_t HeidenhainReader::add_arc(const program::Arc& arc) {
 }
 
 void HeidenhainReader::keep(const Move& move) {
-    if (program_.moves.empty() || move.arc != program::no_arc || !same_place(program_.moves.back(), move))
-        program_.moves.push_back(move);
+    append(program_, move);
 }
 
 /// A move to a place of which something is not known is left out if nothing was known before, or if it is a rapid.
@@ -304,12 +295,8 @@ bool HeidenhainReader::feed_of(Move& move, const Way& way) {
         speed = *way.speed_mm_s;
     else if (!path_speed(speed))
         return false;
-    bool goes = way.arc.has_value();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-        const double to = move.position_mm[i], from = position_mm_[i];
-        goes = goes || (!std::isnan(to) && !(std::abs(to - from) <= still_mm));
-    }
-    if (!goes && !modes_.rotary_in_mm) return feed_of_rotation(move, speed);
+    const bool turns_only = !way.arc && !goes(position_mm_, move.position_mm);
+    if (turns_only && !modes_.rotary_in_mm) return feed_of_rotation(move, speed);
     move.feed = {FeedRule::tip_speed, speed};
     return !modes_.axes_in_feed || !modes_.transform || feed_of_axes(move, way, speed);
 }
@@ -328,7 +315,7 @@ bool HeidenhainReader::feed_of_axes(Move& move, const Way& way, double speed_mm_
     const Move* const last = program_.moves.empty() ? nullptr : &program_.moves.back();
     if (!last || speed_mm_s == 0 || move.law == OrientationLaw::vector) return true;
     const Vector3d step = move.position_mm - position_mm_;
-    double squares = way.arc ? square_of_length(*way.arc, position_mm_, step) : step.squaredNorm();
+    double squares = way.arc ? square_of_way(*way.arc, position_mm_, step) : step.squaredNorm();
     for (std::size_t i = 0; i < move.rotary_rad.size(); ++i)
         if (!same(move.rotary_rad[i], last->rotary_rad[i]))
             squares += std::pow((move.rotary_rad[i] - last->rotary_rad[i]) / degree, 2);
@@ -402,29 +389,16 @@ bool HeidenhainReader::never_started() {
                   "say them at the start, like L X+0 Y+0 Z+10 FMAX");
 }
 
-void HeidenhainReader::keep_used_letters() {
-    std::array<std::size_t, program::max_rotary_letters> slots{};
-    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
-        if ((rotary_ever_ & (1u << i)) == 0) continue;
-        slots[program_.rotary_letters.size()] = i;
-        program_.rotary_letters.push_back(control_.rotary_letter(i));
-    }
-    for (Move& move : program_.moves) {
-        if (move.law == OrientationLaw::vector) continue;
-        std::array<double, program::max_rotary_letters> used{};
-        for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = move.rotary_rad[slots[i]];
-        move.rotary_rad = used;
-    }
-}
-
 /// What the text left open and was assumed.
 void HeidenhainReader::tell_assumptions() {
-    const Move& first = program_.moves.front();
-    for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i)
-        if (first.law == OrientationLaw::rotary && std::isnan(first.rotary_rad[i]))
+    const Move& first = first_move();
+    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
+        const char letter = rotary_letter(i);
+        if (is_said(i) && first.law == OrientationLaw::rotary && std::isnan(first.rotary_rad[i]))
             findings_.count(
-                "NC0755", Severity::note, {first.line, 1}, std::string_view(&program_.rotary_letters[i], 1),
+                "NC0755", Severity::note, {first.line, 1}, std::string_view(&letter, 1),
                 "the program moves before it says where this axis stands: the setup's start counts, else 0");
+    }
     if (!frames_.in_force().is_identity())
         findings_.count("NC0754", Severity::warning, last_motion_, "frame",
                         "a datum shift, mirror, rotation, scale or tilted plane is still in force at the end",
@@ -432,19 +406,11 @@ void HeidenhainReader::tell_assumptions() {
     report_units(stated_, options_.units, findings_);
 }
 
-Result<program::Program> HeidenhainReader::done() {
-    if (corner_) {
-        refuse_rounding("no line follows");
-        return fail(findings_.take_error());
-    }
-    if (program_.moves.size() < 2) {
-        never_started();
-        return fail(findings_.take_error());
-    }
-    keep_used_letters();
+bool HeidenhainReader::finish() {
+    if (corner_) return refuse_rounding("no line follows");
+    if (program_.moves.size() < 2) return never_started();
     tell_assumptions();
-    program_.diagnostics = findings_.take_notices();
-    return std::move(program_);
+    return true;
 }
 
 }  // namespace trunnion::nc::heidenhain

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <filesystem>
 
 namespace trunnion::nc::heidenhain {
 
@@ -34,29 +33,28 @@ std::optional<Address> Addresses::other_than(std::uint32_t allowed) const {
     return static_cast<Address>(std::countr_zero(rest));
 }
 
-HeidenhainReader::HeidenhainReader(std::string_view text, std::string_view file_name, const ReadOptions& options,
+HeidenhainReader::HeidenhainReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options,
                                    Control control)
-    : findings_(file_name),
+    : BlockReader(file_name, options, Dialect::heidenhain),
       interpreter_(text, file_name, findings_, options.most_repeated_lines),
-      options_(options),
       control_(std::move(control)) {
-    program_.source = file_name;
-    program_.name = std::filesystem::path(file_name).stem().string();
-    program_.dialect = name_of(Dialect::heidenhain);
-    program_.moves.reserve(text.size() / 32 + 1);
     position_mm_.setConstant(unknown);
     programmed_mm_.setConstant(unknown);
     centre_mm_.setConstant(unknown);
     rotary_rad_.fill(unknown);
 }
 
-Result<program::Program> HeidenhainReader::read() {
-    for (;;) {
-        const Interpreter::Step step = interpreter_.next();
-        if (step == Interpreter::Step::end) return done();
-        if (step == Interpreter::Step::refused || !block()) return fail(findings_.take_error());
-        if (finished_) return done();
+BlockReader::Step HeidenhainReader::read_block() {
+    if (finished_) return Step::end;
+    switch (interpreter_.next()) {
+        case Interpreter::Step::end:
+            return Step::end;
+        case Interpreter::Step::refused:
+            return Step::refused;
+        case Interpreter::Step::block:
+            break;
     }
+    return block() ? Step::block : Step::refused;
 }
 
 bool HeidenhainReader::block() {
@@ -651,11 +649,11 @@ bool HeidenhainReader::check_addresses(std::uint32_t allowed) {
 
 namespace trunnion::nc {
 
-Result<program::Program> read_heidenhain(std::string_view text, std::string_view file_name,
-                                         const ReadOptions& options) {
+Result<std::unique_ptr<BlockReader>> open_heidenhain(const ProgramText& text, std::string_view file_name,
+                                                     const ReadOptions& options) {
     auto control = Control::make(options.machine);
     if (!control) return fail(std::move(control.error()));
-    return heidenhain::HeidenhainReader(text, file_name, options, std::move(*control)).read();
+    return std::make_unique<heidenhain::HeidenhainReader>(text, file_name, options, std::move(*control));
 }
 
 }  // namespace trunnion::nc

@@ -97,24 +97,17 @@ Spot Statement::spot(std::size_t index) const {
 std::unique_ptr<Source> Source::keeping(std::string file, std::string text) {
     auto source = std::make_unique<Source>(std::move(file), std::string_view{});
     source->kept_ = std::move(text);
-    source->text_ = source->kept_;
-    if (source->text_.starts_with(byte_order_mark)) source->text_.remove_prefix(byte_order_mark.size());
+    const std::string_view kept = source->kept_;
+    source->text_ = kept.starts_with(byte_order_mark) ? kept.substr(byte_order_mark.size()) : kept;
     return source;
 }
 
-std::int64_t Source::lines() const {
-    return 1 + std::ranges::count(text_, '\n');
+std::string_view Source::take_line(LinePlace& place) {
+    place.line = number_behind(place.line);
+    return text_.line(place.offset, place.offset);
 }
 
-std::string_view Source::take_line(LinePlace& place) const {
-    const std::string_view rest = text_.substr(place.offset);
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    place.offset += std::min(line.size() + 1, rest.size());
-    ++place.line;
-    return line;
-}
-
-Source::Taken Source::next(LinePlace& place, Statement& statement) const {
+Source::Taken Source::next(LinePlace& place, Statement& statement) {
     while (place.offset < text_.size()) {
         const int number = place.line;
         const std::string_view line = take_line(place);
@@ -132,7 +125,7 @@ Source::Taken Source::next(LinePlace& place, Statement& statement) const {
     return Taken::end;
 }
 
-bool Source::join(LinePlace& place, Statement& statement) const {
+bool Source::join(LinePlace& place, Statement& statement) {
     statement.joined_ = statement.text_;
     bool continued = true;
     while (continued && place.offset < text_.size()) {
@@ -161,11 +154,12 @@ Source::Found Source::label(std::string_view name, LinePlace& place) {
 
 void Source::index_labels() {
     indexed_ = true;
-    LinePlace place;
-    while (place.offset < text_.size()) {
-        const std::string_view block = without_number(trimmed(without_comment(take_line(place))));
+    LineScanner lines(text_.again());
+    for (std::string_view line; lines.next(line);) {
+        const std::string_view block = without_number(trimmed(without_comment(line)));
         if (!reads(block.substr(0, 3), "LBL")) continue;
-        const auto [label, is_new] = labels_.try_emplace(label_name(block.substr(3)), Label{place});
+        const LinePlace behind{lines.offset(), number_behind(lines.number())};
+        const auto [label, is_new] = labels_.try_emplace(label_name(block.substr(3)), Label{behind});
         label->second.twice = !is_new;
     }
 }

@@ -143,8 +143,18 @@ bool Values::assignment() {
     if (!parameter_name(name)) return false;
     const std::size_t at = cursor_->next_index();
     if (!cursor_->take('=')) return refuse("NC0731", at, "= is missing behind the parameter");
-    if (!formula(value)) return false;
+    if (!feed_or_formula(value)) return false;
     parameters_.set(name, value);
+    return true;
+}
+
+bool Values::feed_or_formula(double& value) {
+    if (cursor_->take_word("FMAX"))
+        value = rapid_feed;
+    else if (cursor_->take_word("FAUTO") || cursor_->take_word("AUTO"))
+        value = automatic_feed_;
+    else
+        return formula(value);
     return true;
 }
 

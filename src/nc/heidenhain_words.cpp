@@ -1,6 +1,7 @@
 #include "detail/heidenhain_words.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 #include "detail/dialects.hpp"
@@ -94,6 +95,52 @@ constexpr Named blocks[] = {
     {"POLARKIN", BlockKind::other_control},
 };
 
+struct Numbered {
+    int number;
+    Function function;
+};
+constexpr Numbered functions[] = {
+    {0, Function::stop},
+    {1, Function::stop},
+    {2, Function::end},
+    {30, Function::end},
+    {3, Function::spindle},
+    {4, Function::spindle},
+    {13, Function::spindle},
+    {14, Function::spindle},
+    {5, Function::spindle_off},
+    {6, Function::tool_change},
+    {8, Function::coolant},
+    {9, Function::coolant_off},
+    {89, Function::modal_call},
+    {99, Function::block_call},
+    {91, Function::machine_datum},
+    {94, Function::reduce},
+    {116, Function::rotary_mm},
+    {117, Function::rotary_degrees},
+    {126, Function::shortest},
+    {127, Function::literal},
+    {128, Function::transform_on},
+    {129, Function::transform_off},
+    {136, Function::per_turn},
+    {137, Function::per_minute},
+    {140, Function::retract},
+};
+constexpr int harmless[] = {90, 102, 104, 105, 106, 107, 108, 111, 113, 115, 121, 135, 141, 143, 145, 149, 150};
+constexpr int ignored[] = {97, 98, 101, 118, 120, 124, 138, 148};
+constexpr int refused[] = {92, 103, 109, 110, 112, 114, 130, 133, 134, 144};
+
+constexpr auto function_table = [] {
+    std::array<Function, 151> all{};
+    all.fill(Function::event);
+    const auto set = [&](int number, Function function) { all[static_cast<std::size_t>(number)] = function; };
+    for (const Numbered& m : functions) set(m.number, m.function);
+    for (const int number : harmless) set(number, Function::harmless);
+    for (const int number : ignored) set(number, Function::ignored);
+    for (const int number : refused) set(number, Function::refused);
+    return all;
+}();
+
 }  // namespace
 
 BlockKind kind_of_block(std::string_view name) {
@@ -103,93 +150,8 @@ BlockKind kind_of_block(std::string_view name) {
 }
 
 Function function_of(int number) {
-    switch (number) {
-        case 0:
-        case 1:
-            return Function::stop;
-        case 2:
-        case 30:
-            return Function::end;
-        case 3:
-        case 4:
-        case 13:
-        case 14:
-            return Function::spindle;
-        case 5:
-            return Function::spindle_off;
-        case 6:
-            return Function::tool_change;
-        case 8:
-            return Function::coolant;
-        case 9:
-            return Function::coolant_off;
-        case 89:
-            return Function::modal_call;
-        case 99:
-            return Function::block_call;
-        case 91:
-            return Function::machine_datum;
-        case 94:
-            return Function::reduce;
-        case 116:
-            return Function::rotary_mm;
-        case 117:
-            return Function::rotary_degrees;
-        case 126:
-            return Function::shortest;
-        case 127:
-            return Function::literal;
-        case 128:
-            return Function::transform_on;
-        case 129:
-            return Function::transform_off;
-        case 136:
-            return Function::per_turn;
-        case 137:
-            return Function::per_minute;
-        case 140:
-            return Function::retract;
-        case 90:
-        case 102:
-        case 104:
-        case 105:
-        case 106:
-        case 107:
-        case 108:
-        case 111:
-        case 113:
-        case 115:
-        case 121:
-        case 135:
-        case 141:
-        case 143:
-        case 145:
-        case 149:
-        case 150:
-            return Function::harmless;
-        case 97:
-        case 98:
-        case 101:
-        case 118:
-        case 120:
-        case 124:
-        case 138:
-        case 148:
-            return Function::ignored;
-        case 92:
-        case 103:
-        case 109:
-        case 110:
-        case 112:
-        case 114:
-        case 130:
-        case 133:
-        case 134:
-        case 144:
-            return Function::refused;
-        default:
-            return Function::event;
-    }
+    const bool listed = number >= 0 && number < static_cast<int>(function_table.size());
+    return listed ? function_table[static_cast<std::size_t>(number)] : Function::event;
 }
 
 }  // namespace trunnion::nc::heidenhain

@@ -7,6 +7,7 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/geometry/great_circle.hpp"
 #include "trunnion/geometry/helix.hpp"
+#include "trunnion/nc/following.hpp"
 
 #include "detail/curves.hpp"
 
@@ -50,6 +51,20 @@ int parts_of_curve(const program::Curve& curve, const program::CurvePart& part, 
     return most_parts;
 }
 
+/// At the ends of equal parts of a curve's parameter: the share of its way till there, by chords.
+std::vector<double> shares_of_way(const program::Curve& curve, const program::CurvePart& part, int parts) {
+    std::vector<double> out{0};
+    Vector3d at = pose_at(curve, part.from_u).position_mm;
+    for (int k = 1; k <= parts; ++k) {
+        const Vector3d next = pose_at(curve, part.from_u + (part.to_u - part.from_u) * k / parts).position_mm;
+        out.push_back(out.back() + (next - at).norm());
+        at = next;
+    }
+    const double way = out.back();
+    for (double& share : out) share = way > 0 ? share / way : 1;
+    return out;
+}
+
 }  // namespace
 
 ProgramWriter::ProgramWriter(const program::Program& program, const machine::Machine* machine,
@@ -59,13 +74,21 @@ ProgramWriter::ProgramWriter(const program::Program& program, const machine::Mac
       options_(options),
       out_(sink),
       findings_(program.source),
+      following_mm_(program.following_letters.size(), 0),
+      followed_mm_(following_mm_),
       unit_mm_(options.units == Units::inch ? inch_mm : 1) {
     linear_grid_ = DecimalGrid::within(options.precision_mm / unit_mm_);
     rotary_grid_ = DecimalGrid::within(options.precision_deg);
     vector_grid_ = DecimalGrid::within(options.vector_precision);
+    following_grid_ = DecimalGrid::within(options.precision_mm * finer_share / unit_mm_);
 }
 
 Result<WriteSummary> ProgramWriter::write() {
+    if (!program_.following_letters.empty() && !takes_following()) {
+        const std::string letters(program_.following_letters.begin(), program_.following_letters.end());
+        refuse("NC0920", "axes that go along with the path, and this dialect has none", letters, "rs274 has them");
+        return fail(findings_.take_error());
+    }
     head();
     if (!everything()) return fail(findings_.take_error());
     tail();
@@ -90,6 +113,11 @@ bool ProgramWriter::events_before(std::size_t move) {
 
 bool ProgramWriter::write_event(const program::Event& event) {
     line_ = event.line;
+    if (add_following_travel(program_, event, following_mm_)) {
+        if (!holds_following()) return false;
+        followed_mm_ = following_mm_;
+    }
+    if (takes_following() && following_event(event)) return true;
     const auto actions = actions_of(event);
     ended_ = ended_ || actions.front().kind == Action::Kind::end;
     const Action::Kind first = actions.front().kind;
@@ -110,6 +138,29 @@ bool ProgramWriter::write_move(std::size_t index) {
     index_ = index;
     if (index < curve_end_) return true;
     if (!enter(to)) return false;
+    if (!follow(1) || !write_whole(to)) return false;
+    followed_mm_ = following_mm_;
+    return true;
+}
+
+bool ProgramWriter::follow(double share) {
+    for (std::size_t i = 0; i < following_mm_.size(); ++i) {
+        const double end_mm = following_at_end(program_, index_, i);
+        following_mm_[i] = share < 1 ? followed_mm_[i] + share * (end_mm - followed_mm_[i]) : end_mm;
+    }
+    return holds_following();
+}
+
+bool ProgramWriter::holds_following() {
+    for (const double at_mm : following_mm_)
+        if (!following_grid_.holds(at_mm / unit_mm_))
+            return refuse("NC0904", "a following axis too far away for the precision that is asked", {},
+                          "ask for less digits");
+    return true;
+}
+
+bool ProgramWriter::write_whole(const Move& to) {
+    const std::size_t index = index_;
     if (index == 0) {
         Move start = to;
         start.kind = MoveKind::rapid;
@@ -274,6 +325,8 @@ bool ProgramWriter::divide(const Move& from, const Move& to) {
     else
         while (parts < most_parts && helix->chord_error(parts) > options_.precision_mm) parts += 1 + parts / 8;
     if (parts > 1) tell("NC0910", by_curve ? "curve" : "arc", "written as straight moves within the precision");
+    std::vector<double> following_shares;
+    if (by_curve && !following_mm_.empty()) following_shares = shares_of_way(*curve, part, parts);
     const bool by_vector = to.law == OrientationLaw::vector;
     const geometry::GreatCircle turn(by_vector ? from.axis : to.axis, to.axis);
     for (int k = 1; k <= parts; ++k) {
@@ -296,7 +349,8 @@ bool ProgramWriter::divide(const Move& from, const Move& to) {
         }
         piece.arc = program::no_arc;
         piece.curve_part = program::no_curve_part;
-        if (!write_straight(piece)) return false;
+        const double gone = following_shares.empty() ? share : following_shares[static_cast<std::size_t>(k)];
+        if (!follow(gone) || !write_straight(piece)) return false;
     }
     return true;
 }

@@ -1,44 +1,15 @@
 #include "trunnion/nc/read.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <limits>
-#include <system_error>
-
-#include <fmt/format.h>
+#include <utility>
 
 #include "detail/dialects.hpp"
 #include "detail/findings.hpp"
-#include "detail/gzip.hpp"
+#include "detail/read_parts.hpp"
+#include "detail/text_file.hpp"
 
 namespace trunnion::nc {
-
-namespace {
-
-constexpr std::size_t longest_text = std::numeric_limits<std::int32_t>::max();
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-
-Diagnostic about_file(std::string_view code, std::string_view file, std::string text, std::string hint = {}) {
-    return {.code = std::string(code),
-            .text = std::move(text),
-            .place = {.file = std::string(file)},
-            .hint = std::move(hint)};
-}
-
-/// Why a text is no program in any dialect; empty when it may be one.
-std::optional<Diagnostic> unreadable(std::string_view text, std::string_view file) {
-    if (text.size() > longest_text)
-        return about_file("NC0008", file, fmt::format("{} bytes are more than are read", text.size()),
-                          "cut the program in parts");
-    const std::size_t nul = text.find('\0');
-    if (nul == text.npos) return {};
-    Diagnostic binary = about_file("NC0003", file, "a NUL byte: this is no text", "give the part program itself");
-    binary.place.line =
-        1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n'));
-    return binary;
-}
-
-}  // namespace
 
 std::string_view name_of(Dialect dialect) noexcept {
     switch (dialect) {
@@ -80,49 +51,41 @@ void report_units(const UnitStatement& stated, Units wanted, Findings& findings)
                        "the program states another unit of length: the one that was asked for is taken");
 }
 
+namespace {
+
+/// All that is left of a program, in one part.
+Result<program::Program> read_whole(const ProgramText& text, std::optional<TextFile> file, std::string_view file_name,
+                                    ReadOptions options) {
+    constexpr std::size_t any = std::numeric_limits<std::size_t>::max();
+    options.parts = {.to_rapid = any, .to_stop = any, .most = any};
+    auto parts = ReadParts::open(text, std::move(file), file_name, options);
+    if (!parts) return fail(std::move(parts.error()));
+    program::Program program;
+    if (auto read = (*parts)->next(program); !read) return fail(std::move(read.error()));
+    return program;
+}
+
+}  // namespace
+
 Result<program::Program> read_program(std::string_view text, std::string_view file_name, const ReadOptions& options) {
-    if (auto reason = unreadable(text, file_name)) return fail(std::move(*reason));
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-    auto dialect = recognise(text);
-    if (!dialect && (!options.dialect || dialect.error().code == "NC0002")) {
-        dialect.error().place.file = file_name;
-        return fail(std::move(dialect.error()));
-    }
-    const Dialect chosen = options.dialect ? *options.dialect : *dialect;
-    switch (chosen) {
-        case Dialect::apt:
-            return read_apt(text, file_name, options);
-        case Dialect::rs274:
-            return read_rs274(text, file_name, options);
-        case Dialect::sinumerik:
-            return read_sinumerik(text, file_name, options);
-        case Dialect::heidenhain:
-            return read_heidenhain(text, file_name, options);
-        case Dialect::fanuc:
-            break;
-    }
-    return read_fanuc(text, file_name, options);
+    return read_whole(text, {}, file_name, options);
 }
 
 Result<program::Program> read_program_file(const std::filesystem::path& file, const ReadOptions& options) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(file, error);
-    if (error) return fail(about_file("NC0001", file.string(), "cannot be read: " + error.message(), "check the path"));
-    if (size > longest_text)
-        return fail(about_file("NC0008", file.string(), fmt::format("{} bytes are more than are read", size),
-                               "cut the program in parts"));
-    std::ifstream in(file, std::ios::binary);
-    std::string text(size, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(size));
-    if (!in) return fail(about_file("NC0001", file.string(), "cannot be read", "check the path and its permissions"));
-    if (!is_gzip(text)) return read_program(text, file.string(), options);
-    auto inside = inflated(text, longest_text);
-    if (!inside) {
-        inside.error().place.file = file.string();
-        return fail(std::move(inside.error()));
-    }
-    text = std::move(*inside);
-    return read_program(text, file.string(), options);
+    auto text = TextFile::open(file);
+    if (!text) return fail(std::move(text.error()));
+    const ProgramText mapped(text->text(), true);
+    return read_whole(mapped, std::move(*text), file.string(), options);
+}
+
+Result<std::unique_ptr<program::ProgramParts>> open_program_file(const std::filesystem::path& file,
+                                                                 const ReadOptions& options) {
+    auto text = TextFile::open(file);
+    if (!text) return fail(std::move(text.error()));
+    const ProgramText mapped(text->text(), true);
+    auto parts = ReadParts::open(mapped, std::move(*text), file.string(), options);
+    if (!parts) return fail(std::move(parts.error()));
+    return std::move(*parts);
 }
 
 }  // namespace trunnion::nc

@@ -148,17 +148,24 @@ Diagnostic empty_program() {
 }  // namespace
 
 Result<Dialect> recognise(std::string_view text) {
-    LineScanner lines(text);
+    return recognise_lines(text);
+}
+
+Result<Dialect> recognise_lines(const ProgramText& text) {
+    LineScanner lines(text.again());
+    bool comments = false;  // such as several dialects have
     for (std::string_view line; lines.next(line);) {
         line = trimmed(line);
-        if (line.empty()) continue;
+        const bool comment = line.starts_with(';') && !is_sinumerik_line(line);
+        comments = comments || comment;
+        if (line.empty() || comment) continue;
         if (line.starts_with("$$") || is_apt_statement(line) || is_pose(line)) return Dialect::apt;
         if (is_heidenhain_line(line)) return Dialect::heidenhain;
         if (is_rs274_block(line) || is_sinumerik_line(line) || is_fanuc_line(line)) return which_g_code(line, lines);
         if (const auto dialect = behind_header(lines)) return *dialect;
         return fail(not_recognised(lines.number()));
     }
-    return fail(empty_program());
+    return comments ? Result<Dialect>(Dialect::rs274) : fail(empty_program());
 }
 
 }  // namespace trunnion::nc

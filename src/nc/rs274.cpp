@@ -12,13 +12,17 @@ bool same_control(const program::PathControl& a, const program::PathControl& b) 
 
 }  // namespace
 
-Result<program::Program> Rs274Reader::read() {
-    for (;;) {
-        const Rs274Flow::Step step = flow_.next(block_);
-        if (step == Rs274Flow::Step::end) return done();
-        if (step == Rs274Flow::Step::refused || !block()) return fail(findings_.take_error());
-        if (finished_) return done();
+BlockReader::Step Rs274Reader::read_block() {
+    if (finished_) return Step::end;
+    switch (flow_.next(block_)) {
+        case Rs274Flow::Step::end:
+            return Step::end;
+        case Rs274Flow::Step::refused:
+            return Step::refused;
+        case Rs274Flow::Step::block:
+            break;
     }
+    return block() ? Step::block : Step::refused;
 }
 
 /// In the order in which LinuxCNC carries out the words of a block.
@@ -95,6 +99,7 @@ bool Rs274Reader::sort_code(const Code& code) {
 /// Whatever letters stand beside it are its own.
 bool Rs274Reader::printing_word(const Code& code) {
     findings_.ignored(block_.at(code.column), name_of(code));
+    event(EventKind::other, false, with_letters(code, block_.present));
     if (block_.code_count > 1)
         return refuse("NC0304", block_.at(code.column), "this word needs a block of its own", name_of(code));
     block_.present = 0;
@@ -143,12 +148,7 @@ bool Rs274Reader::spindle_and_tool() {
     if (request_.of(Group::state) != Meaning::unknown && !state()) return false;
     if (request_.asks(Group::mist, Meaning::coolant)) code_event(EventKind::coolant, false, Group::mist);
     if (request_.asks(Group::flood, Meaning::coolant)) code_event(EventKind::coolant, false, Group::flood);
-    if (request_.asks(Group::user, Meaning::user_word)) {
-        std::string word = name_of(request_.code_of(Group::user));
-        for (const char letter : {'P', 'Q'})
-            if (block_.has(letter)) word += fmt::format(" {}{}", letter, block_[letter]);
-        event(EventKind::other, true, std::move(word));
-    }
+    if (request_.asks(Group::user, Meaning::user_word)) user_word();
     return true;
 }
 
@@ -270,6 +270,7 @@ bool Rs274Reader::modes() {
     if (!path_control()) return false;
     if (const Meaning distance = request_.of(Group::distance); distance != Meaning::unknown)
         modal_.absolute = distance == Meaning::absolute;
+    if (request_.of(Group::following_distance) != Meaning::unknown) following_distance();
     if (const Meaning retract = request_.of(Group::return_mode); retract != Meaning::unknown) modal_.retract = retract;
     return motion_word();
 }
@@ -355,11 +356,8 @@ bool Rs274Reader::subprogram() {
     return flow_.call_program(block_, column, block_['P'], block_.has('L') ? block_['L'] : 1);
 }
 
-Result<program::Program> Rs274Reader::done() {
-    if (nurbs_) {
-        refuse("NC0351", block_.at(nurbs_->column), "a NURBS that G5.3 does not end");
-        return fail(findings_.take_error());
-    }
+bool Rs274Reader::finish() {
+    if (nurbs_) return refuse("NC0351", block_.at(nurbs_->column), "a NURBS that G5.3 does not end");
     const std::string_view rest = trimmed(flow_.rest());
     if (rest.find_first_not_of("% \t\r\n") != rest.npos && !flow_.has_subprograms())
         findings_.count("NC0014", Severity::note, block_.at(1), "end",
@@ -368,20 +366,16 @@ Result<program::Program> Rs274Reader::done() {
         findings_.count("NC0347", Severity::warning, *left_out_home_, "G28",
                         "the way home at the end is left out: where it leads is not known");
     drop_undetermined();
-    if (program_.moves.size() < 2) {
-        never_started();
-        return fail(findings_.take_error());
-    }
-    keep_used_letters();
+    if (program_.moves.size() < 2) return never_started();
     report_units(stated_, options_.units, findings_);
-    program_.diagnostics = findings_.take_notices();
-    return std::move(program_);
+    return true;
 }
 
-Result<program::Program> read_rs274(std::string_view text, std::string_view file_name, const ReadOptions& options) {
+Result<std::unique_ptr<BlockReader>> open_rs274(const ProgramText& text, std::string_view file_name,
+                                                const ReadOptions& options) {
     auto control = Control::make(options.machine);
     if (!control) return fail(std::move(control.error()));
-    return Rs274Reader(text, file_name, options, std::move(*control)).read();
+    return std::make_unique<Rs274Reader>(text, file_name, options, std::move(*control));
 }
 
 }  // namespace trunnion::nc

@@ -1,6 +1,7 @@
 #include "detail/rs274_control.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "trunnion/base/number.hpp"
 
@@ -22,12 +23,8 @@ std::optional<Code> code_of(std::string_view word) {
     return Code{letter, static_cast<int>(std::round(*number * 10)), 0};
 }
 
-Diagnostic bad_declaration(const std::string& file) {
-    Diagnostic diagnostic{.code = "NC0007",
-                          .text = "a word that the machine file declares is not a G or M with its number"};
-    diagnostic.place.file = file;
-    diagnostic.hint = "write it like \"M428\"; following = [\"E\"] takes letters";
-    return diagnostic;
+Diagnostic bad_declaration(const std::string& file, const char* text, std::string value, const char* hint) {
+    return {.code = "NC0007", .text = text, .place = {.file = file}, .value = std::move(value), .hint = hint};
 }
 
 }  // namespace
@@ -42,9 +39,13 @@ Result<Control> Control::make(const machine::Machine* machine) {
         words.tcp_on = {"M428"};  // as in the 5-axis configurations that LinuxCNC ships
         words.tcp_off = {"M429"};
     }
-    const bool good = control.declare_letters(words.following) && control.declare(words.tcp_on, Role::tcp_on) &&
-                      control.declare(words.tcp_off, Role::tcp_off) && control.declare(words.ignore, Role::ignore);
-    if (!good) return fail(bad_declaration(machine->file));
+    if (auto declared = control.declare_following(*machine); !declared) return fail(std::move(declared.error()));
+    const bool good = control.declare(words.tcp_on, Role::tcp_on) && control.declare(words.tcp_off, Role::tcp_off) &&
+                      control.declare(words.ignore, Role::ignore);
+    if (!good)
+        return fail(bad_declaration(machine->file,
+                                    "a word that the machine file declares is not a G or M with its number", {},
+                                    "write it like \"M428\"; following = [\"E\"] takes letters"));
     for (int i = machine->linear_count(); i < machine->axis_count; ++i)
         control.set_letter(machine->axes[i].letter, Letter::rotary,
                            static_cast<std::size_t>(i - machine->linear_count()));
@@ -57,15 +58,29 @@ void Control::set_letter(char letter, Letter kind, std::size_t axis) {
     kind_[index] = kind;
     axis_[index] = static_cast<std::uint8_t>(axis);
     if (kind == Letter::linear || kind == Letter::rotary) axis_letters_ |= Block::bit(upper(letter));
+    if (kind == Letter::following)
+        following_letters_ |= Block::bit(upper(letter));
+    else
+        following_letters_ &= ~Block::bit(upper(letter));
     if (kind == Letter::rotary) rotary_letters_[axis] = upper(letter);
 }
 
-bool Control::declare_letters(const std::vector<std::string>& words) {
-    for (const std::string& word : words) {
-        if (!is_one_letter(word)) return false;
-        set_letter(word.front(), Letter::following, 0);
+Result<void> Control::declare_following(const machine::Machine& machine) {
+    constexpr std::string_view letters_with_meaning = "FGIJKMNOPRSTXYZ";
+    for (const std::string& word : machine.words.following) {
+        if (!is_one_letter(word))
+            return fail(
+                bad_declaration(machine.file, "what follows is named by a letter", word, "following = [\"E\"]"));
+        const char letter = upper(word.front());
+        if (machine.index_of(letter) >= 0)
+            return fail(bad_declaration(machine.file, "a following letter is an axis of the machine", word,
+                                        "take it out of [words] following or out of the chain"));
+        if (letters_with_meaning.contains(letter))
+            return fail(bad_declaration(machine.file, "a following letter has another meaning in every program", word,
+                                        "S, and outputs by M67 and M68, are events at their places anyway"));
+        set_letter(letter, Letter::following, 0);
     }
-    return true;
+    return {};
 }
 
 bool Control::declare(const std::vector<std::string>& words, Role role) {

@@ -41,6 +41,40 @@ bool dwells(int tenths) {
 
 /// The canned cycle in force, at the place that the block says and L − 1 times more.
 bool Rs274Reader::cycle() {
+    CycleWords words;
+    if (!cycle_can_run() || !cycle_words(words)) return false;
+    if (!modal_.retract)
+        findings_.count("NC0352", Severity::warning, spot_of_motion(), "R",
+                        "a cycle before G98 or G99: back to R, as LinuxCNC starts", "G98 or G99 says which");
+
+    enter(frame_in_force());
+    const int along = modal_.plane_normal;
+    const Vector3d before_mm = position_mm_;
+    axes_ &= ~Block::bit("XYZ"[along]);
+    if (!target()) return false;
+    if (position_mm_.hasNaN() || std::isnan(before_mm[along]))
+        return refuse("NC0344", spot_of_motion(), "a cycle from a position that is not known in this frame", {},
+                      "say X, Y and Z by G0 before it");
+    const Vector3d place_mm = position_mm_;
+    CycleLevels levels{.start_mm = before_mm[along]};
+    double times = 1;
+    if (!cycle_levels(words, levels) || !cycle_times(words, levels, times)) return false;
+    position_mm_ = before_mm;
+
+    const bool blends = !modal_.exact_stop;  // LinuxCNC stays on the path in cycles
+    if (blends)
+        program_.path_controls.push_back(
+            {.kind = program::PathControlKind::exact, .before_move = program_.moves.size()});
+    if (!bore_in_a_row(words, levels, place_mm, times)) return false;
+    if (blends) {
+        program_.path_controls.push_back(modal_.path_control);
+        program_.path_controls.back().before_move = program_.moves.size();
+    }
+    cycle_ = words;
+    return true;
+}
+
+bool Rs274Reader::cycle_can_run() {
     const auto refused = [&](std::string text, std::string_view hint = {}) {
         return refuse("NC0345", spot_of_motion(), std::move(text), name_of(modal_.motion_code), hint);
     };
@@ -48,61 +82,50 @@ bool Rs274Reader::cycle() {
     if (request_.asks(Group::once, Meaning::machine_position)) return refused("a canned cycle in machine positions");
     if (modal_.feed_mode == FeedMode::inverse_time) return refused("a canned cycle needs G94 or G95");
     const std::uint32_t linear = Block::bit('X') | Block::bit('Y') | Block::bit('Z');
-    if ((axes_ & ~linear) != 0) return refused("a canned cycle turns no rotary axis", "turn it in a block before");
-    CycleWords words;
-    if (!cycle_words(words)) return false;
-    if (!modal_.retract)
-        findings_.count("NC0352", Severity::warning, spot_of_motion(), "R",
-                        "a cycle before G98 or G99: back to R, as LinuxCNC starts", "G98 or G99 says which");
+    return (axes_ & ~linear) == 0 || refused("a canned cycle turns no rotary axis", "turn it in a block before");
+}
 
-    enter(frame_in_force());
-    const int along = modal_.plane_normal;
-    const double start_mm = position_mm_[along];
-    axes_ &= ~Block::bit("XYZ"[along]);
-    const Vector3d before_mm = position_mm_;
-    if (!target()) return false;
-    if (position_mm_.hasNaN() || std::isnan(start_mm))
-        return refuse("NC0344", spot_of_motion(), "a cycle from a position that is not known in this frame", {},
-                      "say X, Y and Z by G0 before it");
-    const Vector3d step_mm = modal_.absolute ? Vector3d(Vector3d::Zero()) : Vector3d(position_mm_ - before_mm);
-    const double shift_mm = word_shift_.mm[along];
-    const double retract_mm = words.retract_mm + (modal_.absolute ? shift_mm : start_mm);
-    const double depth_mm = words.depth_mm + (modal_.absolute ? shift_mm : retract_mm);
-    if (!(retract_mm >= depth_mm))
+/// Where the cycle turns round, along its axis, from where it starts.
+bool Rs274Reader::cycle_levels(const CycleWords& words, CycleLevels& levels) {
+    const double shift_mm = word_shift_.mm[modal_.plane_normal];
+    levels.retract_mm = words.retract_mm + (modal_.absolute ? shift_mm : levels.start_mm);
+    levels.depth_mm = words.depth_mm + (modal_.absolute ? shift_mm : levels.retract_mm);
+    if (!(levels.retract_mm >= levels.depth_mm))
         return refuse("NC0346", spot_of_motion(), "a cycle whose R lies below its depth",
-                      fmt::format("R at {:g} mm, depth {:g} mm", retract_mm, depth_mm));
-    const double times = block_.has('L') ? block_['L'] : 1;
-    const double strokes = words.step_mm > 0 ? std::ceil((retract_mm - depth_mm) / words.step_mm) : 1;
+                      fmt::format("R at {:g} mm, depth {:g} mm", levels.retract_mm, levels.depth_mm));
+    const bool to_start = modal_.retract == Meaning::initial_level;
+    const double series_mm = cycle_level_mm_.value_or(levels.start_mm);
+    levels.across_mm = std::max(to_start ? series_mm : levels.start_mm, levels.retract_mm);
+    levels.clear_mm = to_start ? levels.across_mm : levels.retract_mm;
+    return true;
+}
+
+/// L.
+bool Rs274Reader::cycle_times(const CycleWords& words, const CycleLevels& levels, double& times) {
+    times = block_.has('L') ? block_['L'] : 1;
     if (times != std::floor(times) || times < 1)
         return refuse("NC0314", block_.spot('L'), "a cycle runs a whole number of times", fmt::format("L{}", times));
-    if (!(times * std::max(1.0, strokes) <= most_strokes))
-        return refuse("NC0346", spot_of_motion(), "too many strokes in one block", fmt::format("{:g}", times * strokes),
-                      "a larger Q");
+    const double strokes = words.step_mm > 0 ? std::ceil((levels.retract_mm - levels.depth_mm) / words.step_mm) : 1;
+    return times * std::max(1.0, strokes) <= most_strokes ||
+           refuse("NC0346", spot_of_motion(), "too many strokes in one block", fmt::format("{:g}", times * strokes),
+                  "a larger Q");
+}
 
-    const bool blends = !modal_.exact_stop;  // LinuxCNC stays on the path in cycles
-    if (blends)
-        program_.path_controls.push_back(
-            {.kind = program::PathControlKind::exact, .before_move = program_.moves.size()});
-    if (!cycle_level_mm_) cycle_level_mm_ = start_mm;
-    const bool to_start = modal_.retract == Meaning::initial_level;
-    const double level_mm = std::max(to_start ? *cycle_level_mm_ : start_mm, retract_mm);
-    const double clear_mm = to_start ? level_mm : retract_mm;
-    Vector3d place_mm = position_mm_;
-    place_mm[along] = level_mm;
-    position_mm_ = before_mm;
-    if (start_mm < retract_mm && !cycle_move(retract_mm, MoveKind::rapid)) return false;
+/// Each hole as far from the one before as the first one from where the tool is, in G91; else all at one place.
+bool Rs274Reader::bore_in_a_row(const CycleWords& words, const CycleLevels& levels, const Vector3d& first_mm,
+                                double times) {
+    const int along = modal_.plane_normal;
+    const Vector3d step_mm = modal_.absolute ? Vector3d(Vector3d::Zero()) : Vector3d(first_mm - position_mm_);
+    if (!cycle_level_mm_) cycle_level_mm_ = levels.start_mm;
+    Vector3d place_mm = first_mm;
+    place_mm[along] = levels.across_mm;
+    if (levels.start_mm < levels.retract_mm && !cycle_move(levels.retract_mm, MoveKind::rapid)) return false;
     for (double turn = 0; turn < times; ++turn) {
-        if (!cycle_move_across(place_mm) || !cycle_move(retract_mm, MoveKind::rapid) ||
-            !bore(words, retract_mm, depth_mm, clear_mm))
+        if (!cycle_move_across(place_mm) || !cycle_move(levels.retract_mm, MoveKind::rapid) || !bore(words, levels))
             return false;
         place_mm += step_mm;
-        place_mm[along] = clear_mm;
+        place_mm[along] = levels.clear_mm;
     }
-    if (blends) {
-        program_.path_controls.push_back(modal_.path_control);
-        program_.path_controls.back().before_move = program_.moves.size();
-    }
-    cycle_ = words;
     return true;
 }
 
@@ -135,19 +158,20 @@ bool Rs274Reader::cycle_words(CycleWords& words) {
 }
 
 /// From R to the bottom and to where the tool is clear.
-bool Rs274Reader::bore(const CycleWords& words, double retract_mm, double depth_mm, double clear_mm) {
+bool Rs274Reader::bore(const CycleWords& words, const CycleLevels& levels) {
     const Bottom bottom = bottom_of(words.tenths);
-    if (bottom == Bottom::tap) return tap(words, depth_mm, clear_mm);
+    if (bottom == Bottom::tap) return tap(words, levels.depth_mm, levels.clear_mm);
     if (bottom == Bottom::stop_spindle && modal_.spindle_word.empty())
         return refuse("NC0345", spot_of_motion(), "the spindle does not turn", name_of(modal_.motion_code),
                       "M3 before it");
-    if (words.step_mm > 0 && !peck(words, retract_mm, depth_mm)) return false;
-    if (!cycle_move(depth_mm, MoveKind::feed)) return false;
+    if (words.step_mm > 0 && !peck(words, levels.retract_mm, levels.depth_mm)) return false;
+    if (!cycle_move(levels.depth_mm, MoveKind::feed)) return false;
     cycle_dwell(words.dwell_s);
     if (bottom == Bottom::stop_spindle) event(EventKind::spindle, true, "M5");
-    if (bottom == Bottom::feed && !cycle_move(words.tenths == 850 ? retract_mm : clear_mm, MoveKind::feed))
+    if (bottom == Bottom::feed &&
+        !cycle_move(words.tenths == 850 ? levels.retract_mm : levels.clear_mm, MoveKind::feed))
         return false;
-    if (!cycle_move(clear_mm, MoveKind::rapid)) return false;
+    if (!cycle_move(levels.clear_mm, MoveKind::rapid)) return false;
     if (bottom == Bottom::stop_spindle) event(EventKind::spindle, true, modal_.spindle_word);
     return true;
 }

@@ -101,15 +101,15 @@ bool ends(FlowKeyword head, FlowKeyword end) {
 
 }  // namespace
 
-std::optional<FlowIndex> FlowIndex::make(std::string_view text, std::string_view file, Findings& findings) {
+std::optional<FlowIndex> FlowIndex::make(const ProgramText& text, std::string_view file, Findings& findings) {
     FlowIndex index;
-    LineScanner lines(text);
+    LineScanner lines(text.again());
     for (std::string_view line; lines.next(line);) {
         LineCursor cursor{line, line, lines.number(), file};
         if (!goes_to_o_word(cursor)) continue;
         FlowLine found;
-        found.start = static_cast<std::size_t>(line.data() - text.data());
-        found.behind = text.size() - lines.rest().size();
+        found.start = static_cast<std::size_t>(line.data() - text.view().data());
+        found.behind = lines.offset();
         found.number = lines.number();
         if (const char c = cursor.front(); c == '[' || c == '#') {
             found.keyword = FlowKeyword::call;
@@ -205,7 +205,7 @@ std::optional<std::size_t> FlowIndex::subprogram(std::string_view label, FlowKey
     return {};
 }
 
-Rs274Flow::Rs274Flow(std::string_view text, std::string_view file_name, const ControlParameters& control,
+Rs274Flow::Rs274Flow(const ProgramText& text, std::string_view file_name, const ControlParameters& control,
                      Findings& findings, std::int64_t most_repeated_lines)
     : findings_(findings), scanner_(parameters_, control, findings), lines_left_(most_repeated_lines) {
     std::error_code error;
@@ -216,11 +216,8 @@ Rs274Flow::Rs274Flow(std::string_view text, std::string_view file_name, const Co
 
 std::string_view Rs274Flow::take_line() {
     Frame& frame = frames_.back();
-    const std::string_view rest = frame.source->text.substr(frame.next);
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    frame.next += std::min(end + 1, rest.size());
-    ++frame.line;
-    return rest.substr(0, end);
+    frame.line = number_behind(frame.line);
+    return frame.source->text.line(frame.next, frame.next);
 }
 
 /// The text once is free.
@@ -239,7 +236,8 @@ bool Rs274Flow::has_subprograms() const {
 }
 
 std::string_view Rs274Flow::rest() const {
-    return frames_.size() > 1 ? std::string_view{} : main_.text.substr(frames_.back().next);
+    return frames_.size() > 1 ? std::string_view{}
+                              : main_.text.view().substr(std::min(frames_.back().next, main_.text.size()));
 }
 
 Rs274Flow::Step Rs274Flow::next(Block& block) {
@@ -280,7 +278,7 @@ bool Rs274Flow::flow(LineCursor& cursor, Block& block) {
     Source& source = *frames_.back().source;
     const FlowIndex* const index = index_of(source);
     if (!index) return false;
-    const auto start = static_cast<std::size_t>(cursor.line.data() - source.text.data());
+    const auto start = static_cast<std::size_t>(cursor.line.data() - source.text.view().data());
     const std::size_t here = index->at(start);
     if (here == index->lines().size() || index->lines()[here].start != start)
         return refuse(cursor, "NC0331", "an O word stands first in its line");
@@ -339,7 +337,7 @@ bool Rs274Flow::branch(LineCursor& cursor, std::size_t index) {
         go_behind(lines[index]);
         if (lines[index].keyword != FlowKeyword::else_when) return true;
         const std::string_view line =
-            frames_.back().source->text.substr(lines[index].start, lines[index].behind - lines[index].start);
+            frames_.back().source->text.view().substr(lines[index].start, lines[index].behind - lines[index].start);
         const std::string_view bare = line.substr(0, line.find('\n'));
         LineCursor part{bare, bare, lines[index].number, cursor.file};
         std::string label;

@@ -46,6 +46,14 @@ bool Rs274Reader::moves_on_arc() const {
 
 bool Rs274Reader::motion() {
     if (request_.takes_axes) return true;
+    if (follows_ == 0) return move_along_path();
+    const std::size_t moves = program_.moves.size();
+    if (!follow_words() || !move_along_path()) return false;
+    const bool left_out = moves == 0 && axes_ != 0;
+    return left_out || program_.moves.size() > moves || stand_while_following();
+}
+
+bool Rs274Reader::move_along_path() {
     const bool on_arc = moves_on_arc();
     const bool own_block = request_.of(Group::motion) >= Meaning::cubic_curve;
     if (axes_ == 0 && !on_arc && !own_block && !nurbs_) return true;
@@ -167,7 +175,9 @@ bool Rs274Reader::add(Move& move) {
                       "G53 and positions instead, or nothing behind it");
     end_tangent_mm_.reset();
     const bool bent = move.arc != program::no_arc || move.curve_part != program::no_curve_part;
-    if (moves.empty() || bent || !same_place(moves.back(), move)) moves.push_back(move);
+    if (!moves.empty() && !bent && same_place(moves.back(), move)) return true;
+    moves.push_back(move);
+    if (!program_.following_letters.empty()) add_following_row();
     return true;
 }
 
@@ -197,6 +207,8 @@ void Rs274Reader::drop_undetermined() {
     findings_.count("NC0013", Severity::warning, {moves.front().line, 1}, "start",
                     "moves before the first pose that is known whole are left out", {}, static_cast<int>(first));
     moves.erase(moves.begin(), moves.begin() + static_cast<std::ptrdiff_t>(first));
+    auto& rows = program_.following;
+    rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(first * program_.following_letters.size()));
     if (!moves.empty()) {
         moves.front().arc = program::no_arc;
         moves.front().curve_part = program::no_curve_part;
@@ -204,20 +216,6 @@ void Rs274Reader::drop_undetermined() {
     for (program::Event& event : program_.events) event.before_move -= std::min(event.before_move, first);
     for (program::PathControl& control : program_.path_controls)
         control.before_move -= std::min(control.before_move, first);
-}
-
-void Rs274Reader::keep_used_letters() {
-    std::array<std::size_t, program::max_rotary_letters> slots{};
-    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
-        if (std::isnan(rotary_rad_[i])) continue;
-        slots[program_.rotary_letters.size()] = i;
-        program_.rotary_letters.push_back(control_.rotary_letter(i));
-    }
-    for (Move& move : program_.moves) {
-        RotaryWords used{};
-        for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = move.rotary_rad[slots[i]];
-        move.rotary_rad = used;
-    }
 }
 
 }  // namespace trunnion::nc

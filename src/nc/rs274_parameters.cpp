@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <iterator>
+
 #include "detail/rs274_reader.hpp"
 
 namespace trunnion::nc {
@@ -6,6 +9,40 @@ namespace {
 
 constexpr std::string_view axis_order = "XYZABCUVW";
 constexpr int first_position = 5420, offset_number = 5220;
+
+/// What the control knows of itself and a program without it does not.
+constexpr std::string_view other_states[] = {"_vmajor",
+                                             "_vminor",
+                                             "_line",
+                                             "_motion_mode",
+                                             "_plane",
+                                             "_ccomp",
+                                             "_coord_system",
+                                             "_tool_offset",
+                                             "_retract_r_plane",
+                                             "_retract_old_z",
+                                             "_spindle_rpm_mode",
+                                             "_spindle_css_mode",
+                                             "_ijk_absolute_mode",
+                                             "_lathe_diameter_mode",
+                                             "_lathe_radius_mode",
+                                             "_spindle_on",
+                                             "_spindle_cw",
+                                             "_mist",
+                                             "_flood",
+                                             "_speed_override",
+                                             "_feed_override",
+                                             "_adaptive_feed",
+                                             "_feed_hold",
+                                             "_feed",
+                                             "_rpm",
+                                             "_current_tool",
+                                             "_current_pocket",
+                                             "_selected_tool",
+                                             "_selected_pocket",
+                                             "_task",
+                                             "_call_level",
+                                             "_remap_level"};
 
 /// Probe results, home positions, offsets, tool data and messages.
 bool is_the_controls(int number) {
@@ -41,16 +78,20 @@ ControlParameters::Answer Rs274Reader::position_parameter(std::size_t axis, Para
 }
 
 ControlParameters::Answer Rs274Reader::read(const ParameterReference& parameter, ParameterValue& value) const {
-    if (parameter.name.empty()) {
-        const int number = parameter.number;
-        if (!is_the_controls(number)) return Answer::not_its_own;
-        if (number >= first_position && number < first_position + static_cast<int>(axis_order.size()))
-            return position_parameter(static_cast<std::size_t>(number - first_position), value);
-        if (number != offset_number) return Answer::unknown;
-        value = number_of_offset(program_.offsets[modal_.offset]);
-        return Answer::known;
-    }
-    const std::string_view name = parameter.name;
+    return parameter.name.empty() ? numbered_parameter(parameter.number, value)
+                                  : named_parameter(parameter.name, value);
+}
+
+ControlParameters::Answer Rs274Reader::numbered_parameter(int number, ParameterValue& value) const {
+    if (!is_the_controls(number)) return Answer::not_its_own;
+    if (number >= first_position && number < first_position + static_cast<int>(axis_order.size()))
+        return position_parameter(static_cast<std::size_t>(number - first_position), value);
+    if (number != offset_number) return Answer::unknown;
+    value = number_of_offset(program_.offsets[modal_.offset]);
+    return Answer::known;
+}
+
+ControlParameters::Answer Rs274Reader::named_parameter(std::string_view name, ParameterValue& value) const {
     if (!name.starts_with('_')) return Answer::not_its_own;
     if (name.size() == 2) {
         const std::size_t axis = axis_order.find(upper(name[1]));
@@ -70,41 +111,8 @@ ControlParameters::Answer Rs274Reader::read(const ParameterReference& parameter,
         value = holds ? 1 : 0;
         return Answer::known;
     }
-    constexpr std::string_view others[] = {"_vmajor",
-                                           "_vminor",
-                                           "_line",
-                                           "_motion_mode",
-                                           "_plane",
-                                           "_ccomp",
-                                           "_coord_system",
-                                           "_tool_offset",
-                                           "_retract_r_plane",
-                                           "_retract_old_z",
-                                           "_spindle_rpm_mode",
-                                           "_spindle_css_mode",
-                                           "_ijk_absolute_mode",
-                                           "_lathe_diameter_mode",
-                                           "_lathe_radius_mode",
-                                           "_spindle_on",
-                                           "_spindle_cw",
-                                           "_mist",
-                                           "_flood",
-                                           "_speed_override",
-                                           "_feed_override",
-                                           "_adaptive_feed",
-                                           "_feed_hold",
-                                           "_feed",
-                                           "_rpm",
-                                           "_current_tool",
-                                           "_current_pocket",
-                                           "_selected_tool",
-                                           "_selected_pocket",
-                                           "_task",
-                                           "_call_level",
-                                           "_remap_level"};
-    for (const std::string_view other : others)
-        if (name == other) return Answer::unknown;
-    return name.starts_with("_ini[") || name.starts_with("_hal[") ? Answer::unknown : Answer::not_its_own;
+    const bool other = std::ranges::find(other_states, name) != std::end(other_states);
+    return other || name.starts_with("_ini[") || name.starts_with("_hal[") ? Answer::unknown : Answer::not_its_own;
 }
 
 }  // namespace trunnion::nc

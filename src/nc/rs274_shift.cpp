@@ -22,10 +22,14 @@ void Rs274Reader::use_shift() {
 }
 
 bool Rs274Reader::shift() {
+    if (request_.of(Group::shift) == Meaning::unknown) return true;
+    const auto following_before_mm = g92_.following_mm;
     switch (request_.of(Group::shift)) {
         case Meaning::shift_to_here: {
             const auto other = offset_shifts_.find(modal_.offset);
-            if (!shift_to_here(g92_, other == offset_shifts_.end() ? WordShift{} : other->second, "G92")) return false;
+            if (!shift_to_here(g92_, other == offset_shifts_.end() ? WordShift{} : other->second, "G92") ||
+                !shift_following_to_here())
+                return false;
             kept_g92_ = g92_;
             break;
         }
@@ -47,6 +51,7 @@ bool Rs274Reader::shift() {
         default:
             return true;
     }
+    tell_following_shift(following_before_mm);
     use_shift();
     return true;
 }

@@ -45,6 +45,8 @@ class Rs274Writer final : public GCodeWriter {
         if (!ends_itself()) line("M2");
     }
 
+    bool takes_following() const override { return true; }
+
     bool enter(const Move& to) override {
         if (to.law == OrientationLaw::vector && !(to.axis.z() > 1 - 1e-15 && !has_rotary_axes()))
             return refuse("NC0902", "a tool vector: this dialect has rotary words alone", {},

@@ -27,4 +27,17 @@ bool same_place(const program::Move& before, const program::Move& move) {
     return true;
 }
 
+bool goes(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& to_mm) {
+    constexpr double still_mm = 1e-7;
+    for (Eigen::Index i = 0; i < 3; ++i)
+        if (!std::isnan(to_mm[i]) && !(std::abs(to_mm[i] - from_mm[i]) <= still_mm)) return true;
+    return false;
+}
+
+void append(program::Program& program, const program::Move& move) {
+    const bool straight = move.arc == program::no_arc && move.curve_part == program::no_curve_part;
+    if (straight && !program.moves.empty() && same_place(program.moves.back(), move)) return;
+    program.moves.push_back(move);
+}
+
 }  // namespace trunnion::nc

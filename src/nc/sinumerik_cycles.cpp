@@ -378,6 +378,7 @@ bool SinumerikReader::modal_call() {
     if (rule_of_name(call_->name).meaning != Meaning::drilling)
         return refuse("NC0628", *call_, "only drilling cycles can be called by MCALL");
     modal_cycle_ = *call_;
+    modal_cycle_->name = modal_cycle_name_ = call_->name;  // its own would go with the line
     return true;
 }
 

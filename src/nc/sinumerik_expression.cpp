@@ -342,7 +342,7 @@ bool Expressions::reference(std::string_view name, int column, Reference& result
         return true;
     }
     const Variable& variable = *variables_.find(name);
-    result = {.name = name, .element = 0};
+    result = {.name = std::string(name), .element = 0};
     const bool indexed = cursor_.take("[");
     if (indexed != (variable.dimensions > 0))
         return cursor_.refuse("NC0514", column, indexed ? "this variable is no array" : "an array needs its index",

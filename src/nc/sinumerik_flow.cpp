@@ -29,12 +29,14 @@ std::string_view opening_word(Structure::Kind kind) {
 }  // namespace
 
 bool FlowIndex::build(const Source& source, const Section& section, Cursor& cursor) {
+    Source text = source.again();
+    CapitalLine line;
     LinePlace place = section.begin;
-    while (place.offset < section.end) {
+    while (text.is_before_end(place, section)) {
         LineMark mark{place, {}};
-        const std::string_view line = source.take_line(place);
+        text.take_line(place, line);
         mark.behind = place;
-        cursor.start(line, source.original(line), mark.at.line, source.file());
+        cursor.start(line.capitals, line.original, mark.at.line, source.file());
         if (!read_line(cursor, mark)) return false;
     }
     if (open_.empty()) return true;
@@ -46,12 +48,12 @@ bool FlowIndex::build(const Source& source, const Section& section, Cursor& curs
 /// What a line says about the flow: its number, its label, a control structure. Lines behind a / say nothing.
 bool FlowIndex::read_line(Cursor& cursor, const LineMark& mark) {
     const auto add_target = [&](std::string_view name) {
-        targets_[name].push_back({mark, open_.empty() ? -1 : open_.back()});
+        targets_[std::string(name)].push_back({mark, open_.empty() ? -1 : open_.back()});
     };
     if (cursor.front() == '/') return true;
     std::string_view word = cursor.name();
     if (word.size() > 1 && word[0] == 'N' && is_digit(word[1])) {
-        if (with_block_numbers_) add_target(word);
+        if (block_numbers_.contains(word)) add_target(word);
         word = cursor.name();
     }
     if (is_own_name(word) && cursor.sees(":")) {

@@ -34,7 +34,7 @@ const std::pair<std::string_view, Counting>* counting_named(std::string_view nam
 
 }  // namespace
 
-Interpreter::Interpreter(std::string_view text, std::string_view file_name, Findings& findings,
+Interpreter::Interpreter(const ProgramText& text, std::string_view file_name, Findings& findings,
                          bool (*is_word)(std::string_view), const Limits& limits)
     : machinery_(std::make_unique<Machinery>(text, file_name, findings, is_word, limits)) {}
 
@@ -44,7 +44,15 @@ Interpreter::Step Interpreter::next(Block& block) {
     return machinery_->next(block);
 }
 
-Interpreter::Machinery::Machinery(std::string_view text, std::string_view file_name, Findings& findings,
+const ProgramText& Interpreter::text() const {
+    return machinery_->text();
+}
+
+std::size_t Interpreter::position() const {
+    return machinery_->position();
+}
+
+Interpreter::Machinery::Machinery(const ProgramText& text, std::string_view file_name, Findings& findings,
                                   bool (*is_word)(std::string_view), const Limits& limits)
     : findings_(findings),
       is_word_(is_word),
@@ -55,7 +63,6 @@ Interpreter::Machinery::Machinery(std::string_view text, std::string_view file_n
       folder_(file_name),
       cursor_(findings),
       expressions_(cursor_, variables_, limits.brackets) {
-    lines_left_ += main_.lines();
     Frame& main = frames_.emplace_back();
     main.program = {&main_, &main_.main_section()};
     main.next = main.program.section->begin;
@@ -66,7 +73,7 @@ Interpreter::Step Interpreter::Machinery::next(Block& block) {
     block.words.clear();
     while (!ended_) {
         if (turn_back(frame())) continue;
-        if (frame().next.offset >= frame().program.section->end) {
+        if (!frame().program.source->is_before_end(frame().next, *frame().program.section)) {
             if (!leave()) return Step::refused;
             continue;
         }
@@ -84,16 +91,17 @@ bool Interpreter::Machinery::charge_line() {
 
 bool Interpreter::Machinery::carry_out(Block& block) {
     Frame& running = frame();
-    const Source& source = *running.program.source;
+    Source& source = *running.program.source;
     here_.at = running.next;
-    const std::string_view line = source.take_line(running.next);
+    source.take_line(running.next, line_);
     here_.behind = running.next;
-    if (frames_.size() == 1 && here_.behind.offset > furthest_.offset) furthest_ = here_.behind;
-    cursor_.start(line, source.original(line), here_.at.line, source.file());
+    const bool is_new = frames_.size() == 1 && here_.behind.offset > furthest_.offset;
+    if (is_new) furthest_ = here_.behind;
+    cursor_.start(line_.capitals, line_.original, here_.at.line, source.file());
     block.line = running.outer_line > 0 ? running.outer_line : here_.at.line;
     block.place = cursor_.spot(1);
     block.label = {};
-    if (!charge_line() || !begin_line(block)) return false;
+    if ((!is_new && !charge_line()) || !begin_line(block)) return false;
     while (!line_done_ && !cursor_.at_end()) {
         if (!word(block)) return false;
         first_ = false;
@@ -159,7 +167,10 @@ Word* Interpreter::Machinery::add_word(Block& block, std::string_view name, int 
 /// A letter and a number, as nearly all words are.
 bool Interpreter::Machinery::plain_word(Block& block, int column) {
     const std::string_view written = cursor_.rest();
-    cursor_.advance(1);
+    const std::size_t digits = std::min(written.find_first_not_of("0123456789", 1), written.size());
+    cursor_.advance(digits < written.size() && written[digits] == '=' ? digits : 1);
+    if (cursor_.rest().starts_with('='))
+        return extended_word(block, column, written.substr(0, 1), written.substr(1, digits - 1));
     const auto value = cursor_.number();
     if (!value) return refuse("NC0201", column, "no finite number behind the letter", written.substr(0, 12));
     if (cursor_.sees("=")) {
@@ -183,18 +194,16 @@ bool Interpreter::Machinery::ends_program(const Word& word) const {
 
 /// A letter with digits in front of the =.
 bool Interpreter::Machinery::extended_word(Block& block, int column, std::string_view letter, std::string_view digits) {
-    Word word{.name = letter, .column = column};
+    Word* const word = add_word(block, letter, column);
+    if (!word) return false;
     if (extended_addresses.contains(letter)) {
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), word.extension);
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), word->extension);
         if (error != std::errc{}) return refuse("NC0201", column, "too large a number in front of the =", letter);
     } else {
-        word.name = {letter.data(), letter.size() + digits.size()};
+        word->name = {letter.data(), letter.size() + digits.size()};
     }
     cursor_.take("=");
-    if (!value_of(word)) return false;
-    Word* const added = add_word(block, word.name, column);
-    if (added) *added = std::move(word);
-    return added != nullptr;
+    return value_of(*word);
 }
 
 bool Interpreter::Machinery::named_word(Block& block, int column) {
@@ -240,8 +249,25 @@ bool Interpreter::Machinery::index_of(Word& word) {
     return cursor_.want("]");
 }
 
+/// A number behind which the next word begins, or nothing: the values of nearly all words. Else nothing is taken.
+std::optional<double> Interpreter::Machinery::number_alone() {
+    Cursor ahead = cursor_;
+    const auto value = ahead.number();
+    if (!value) return {};
+    const bool ends = ahead.at_end();
+    const std::string_view rest = ahead.rest();
+    if (!ends && !(is_letter(rest[0]) && rest.size() > 1 && (is_digit(rest[1]) || rest[1] == '='))) return {};
+    cursor_ = ahead;
+    return value;
+}
+
 /// Behind the =.
 bool Interpreter::Machinery::value_of(Word& word) {
+    if (const auto value = number_alone(); value && word.name != polynomial) {
+        word.has_value = true;
+        word.value = *value;
+        return true;
+    }
     if (word.name == polynomial || cursor_.take_word(polynomial)) {
         word.is_list = true;
         return cursor_.want("(") && expressions_.arguments(word.arguments, limits_.words);

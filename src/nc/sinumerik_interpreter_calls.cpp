@@ -216,7 +216,7 @@ bool Interpreter::Machinery::parameter(std::size_t number) {
     if (by_reference && !given->variable)
         return refuse("NC0534", column, "the caller must hand over a variable", name, "VAR gives its value back");
     if (by_reference) frame().handed_back.emplace_back(name, *given->variable);
-    return variables_.assign({.name = name, .element = 0}, given->value, cursor_, column);
+    return variables_.assign({.name = std::string(name), .element = 0}, given->value, cursor_, column);
 }
 
 bool Interpreter::Machinery::attributes() {

@@ -65,12 +65,14 @@ bool Interpreter::Machinery::lone_word(Block& block, int column) {
                   cursor_.line().substr(static_cast<std::size_t>(column - 1), 12), "put it in a line of its own");
 }
 
-bool Interpreter::Machinery::flow(FlowIndex*& index, bool with_block_numbers) {
+bool Interpreter::Machinery::flow(FlowIndex*& index, std::string_view block_number) {
     const Program& program = frame().program;
     std::unique_ptr<FlowIndex>& made = program.section->flow;
-    if (!made || (with_block_numbers && !made->has_block_numbers())) {
+    if (!made || (!block_number.empty() && !made->block_numbers().contains(block_number))) {
+        FlowIndex::BlockNumbers wanted = made ? made->block_numbers() : FlowIndex::BlockNumbers{};
+        if (!block_number.empty()) wanted.emplace(block_number);
         Cursor scan = cursor_;
-        made = std::make_unique<FlowIndex>(with_block_numbers);
+        made = std::make_unique<FlowIndex>(std::move(wanted));
         if (!made->build(*program.source, *program.section, scan)) return false;
     }
     index = made.get();
@@ -79,7 +81,7 @@ bool Interpreter::Machinery::flow(FlowIndex*& index, bool with_block_numbers) {
 
 bool Interpreter::Machinery::structure(int column, const Structure*& found) {
     FlowIndex* index = nullptr;
-    if (!flow(index, false)) return false;
+    if (!flow(index)) return false;
     found = first_ ? index->structure_at(here_.at.offset) : nullptr;
     return found || refuse("NC0524", column, "a control structure needs a line of its own", {},
                            "a jump is IF condition GOTOF label");
@@ -105,7 +107,7 @@ bool Interpreter::Machinery::end_line(const LinePlace& next) {
 bool Interpreter::Machinery::find_target(std::string_view name, Direction direction, int column, const Target*& found) {
     const bool block_number = name.size() > 1 && name[0] == 'N' && is_digit(name[1]);
     FlowIndex* index = nullptr;
-    if (!flow(index, block_number)) return false;
+    if (!flow(index, block_number ? name : std::string_view{})) return false;
     found = index->find(name, direction, here_.at.offset);
     if (!found || !index->enters_structure(*found, here_.at.offset)) return true;
     return refuse("NC0523", column, "jumps into a control structure", name,
@@ -275,7 +277,7 @@ bool Interpreter::Machinery::repeat_statement(Block& block, int column) {
     if (!start) return refuse("NC0521", column, "no such label", first);
     const std::size_t begin = start->line.at.offset;
     FlowIndex* index = nullptr;
-    if (!flow(index, false)) return false;
+    if (!flow(index)) return false;
     end = index->find(two ? last : "ENDLABEL", Direction::forward, begin);
     if (two && !end && last != first) return refuse("NC0521", column, "no such label behind the first one", last);
     if (two && last == first) end = start;

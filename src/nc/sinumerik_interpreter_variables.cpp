@@ -93,7 +93,7 @@ bool Interpreter::Machinery::initial(std::string_view name, Variable& variable) 
     }
     Value value;
     return expressions_.value_for(variable.type, value) &&
-           variables_.assign({.name = name, .element = 0}, std::move(value), cursor_, column);
+           variables_.assign({.name = std::string(name), .element = 0}, std::move(value), cursor_, column);
 }
 
 bool Interpreter::Machinery::assign(std::string_view name, int column) {

@@ -17,18 +17,10 @@ using program::Space;
 
 namespace {
 
-constexpr double still_mm = 1e-7;      ///< coordinates that change less make a block a pure rotation
 constexpr double straight_rad = 1e-9;  ///< a tangential circle that leaves its tangent by less is a line
 
 bool is_circle(Meaning motion) {
     return motion == Meaning::clockwise || motion == Meaning::counter_clockwise;
-}
-
-/// Of the way along a circle or helix from a place on it.
-double square_of_length(const program::Arc& arc, const Vector3d& from, const Vector3d& step) {
-    const Vector3d arm = from - arc.centre_mm;
-    const double radius = (arm - arc.normal * arc.normal.dot(arm)).norm();
-    return std::pow(radius * arc.angle_rad, 2) + std::pow(arc.normal.dot(step), 2);
 }
 
 constexpr Address linear[] = {Address::x, Address::y, Address::z};
@@ -325,8 +317,7 @@ bool SinumerikReader::leave_out(const Way& way) {
 }
 
 bool SinumerikReader::add(Move& move) {
-    const bool straight = move.arc == program::no_arc && move.curve_part == program::no_curve_part;
-    if (program_.moves.empty() || !straight || !same_place(program_.moves.back(), move)) program_.moves.push_back(move);
+    append(program_, move);
     return true;
 }
 
@@ -359,12 +350,7 @@ bool SinumerikReader::feed_of(Move& move, const Way& way) {
         move.feed = speed > 0 ? program::Feed{FeedRule::block_time, 1 / speed} : program::Feed{FeedRule::tip_speed, 0};
         return true;
     }
-    bool goes = way.arc.has_value() || way.curved;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-        const double to = move.position_mm[i], from = position_mm_[i];
-        goes = goes || (!std::isnan(to) && !(std::abs(to - from) <= still_mm));
-    }
-    if (!goes) return feed_of_rotation(move, speed);
+    if (!way.arc && !way.curved && !goes(position_mm_, move.position_mm)) return feed_of_rotation(move, speed);
     move.feed = {FeedRule::tip_speed, speed};
     return !modes_.rotary_in_feed || feed_of_group(move, way, speed);
 }
@@ -397,7 +383,7 @@ bool SinumerikReader::feed_of_group(Move& move, const Way& way, double speed_mm_
     if (way.curved)
         return refuse("NC0627", spot_of_motion(), "F by FGROUP with rotary axes along a curve is not supported", {},
                       "FGROUP(X,Y,Z)");
-    double squares = way.arc ? square_of_length(*way.arc, position_mm_, step) : step.squaredNorm();
+    double squares = way.arc ? square_of_way(*way.arc, position_mm_, step) : step.squaredNorm();
     for (std::size_t i = 0; i < move.rotary_rad.size(); ++i)
         if (!same(move.rotary_rad[i], last->rotary_rad[i]))
             squares += std::pow((move.rotary_rad[i] - last->rotary_rad[i]) * modes_.reference_mm[i], 2);
@@ -417,35 +403,16 @@ bool SinumerikReader::never_started() {
                   "say them at the start, like G0 X0 Y0 Z10");
 }
 
-void SinumerikReader::keep_used_letters() {
-    std::array<std::size_t, program::max_rotary_letters> slots{};
-    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
-        if ((rotary_ever_ & (1u << i)) == 0) continue;
-        slots[program_.rotary_letters.size()] = i;
-        program_.rotary_letters.push_back(control_.rotary_letter(i));
-    }
-    for (Move& move : program_.moves) {
-        if (move.law == OrientationLaw::vector) continue;
-        RotaryWords used{};
-        for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = move.rotary_rad[slots[i]];
-        move.rotary_rad = used;
-    }
-    for (program::Curve& curve : program_.curves)
-        for (RotaryWords& words : curve.rotary_rad) {
-            RotaryWords used{};
-            for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i) used[i] = words[slots[i]];
-            words = used;
-        }
-}
-
 /// What the text left open and was assumed.
 void SinumerikReader::tell_assumptions() {
-    const Move& first = program_.moves.front();
-    for (std::size_t i = 0; i < program_.rotary_letters.size(); ++i)
-        if (first.law == OrientationLaw::rotary && std::isnan(first.rotary_rad[i]))
+    const Move& first = first_move();
+    for (std::size_t i = 0; i < rotary_rad_.size(); ++i) {
+        const char letter = rotary_letter(i);
+        if (is_said(i) && first.law == OrientationLaw::rotary && std::isnan(first.rotary_rad[i]))
             findings_.count(
-                "NC0655", Severity::note, {first.line, 1}, std::string_view(&program_.rotary_letters[i], 1),
+                "NC0655", Severity::note, {first.line, 1}, std::string_view(&letter, 1),
                 "the program moves before it says where this axis stands: the setup's start counts, else 0");
+    }
     if (!exact_stop_said_)
         findings_.count("NC0657", Severity::note, {first.line, 1}, "G64",
                         "neither exact stop (G60) nor continuous path (G64) is said: continuous path is assumed");
@@ -456,16 +423,11 @@ void SinumerikReader::tell_assumptions() {
     report_units(stated_, options_.units, findings_);
 }
 
-Result<program::Program> SinumerikReader::done() {
-    if (!end_spline()) return fail(findings_.take_error());
-    if (program_.moves.size() < 2) {
-        never_started();
-        return fail(findings_.take_error());
-    }
-    keep_used_letters();
+bool SinumerikReader::finish() {
+    if (!end_spline()) return false;
+    if (program_.moves.size() < 2) return never_started();
     tell_assumptions();
-    program_.diagnostics = findings_.take_notices();
-    return std::move(program_);
+    return true;
 }
 
 }  // namespace trunnion::nc::sinumerik

@@ -30,7 +30,7 @@ std::string message_of(const Word& word) {
 }
 
 /// Whether M6 stands anywhere outside comments.
-bool says_m6(std::string_view text) {
+bool says_m6(const ProgramText& text) {
     LineScanner lines(text);
     for (std::string_view line; lines.next(line);) {
         line = line.substr(0, line.find(';'));
@@ -47,31 +47,29 @@ bool says_m6(std::string_view text) {
 
 }  // namespace
 
-SinumerikReader::SinumerikReader(std::string_view text, std::string_view file_name, const ReadOptions& options,
+SinumerikReader::SinumerikReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options,
                                  Control control)
-    : findings_(file_name),
+    : BlockReader(file_name, options, Dialect::sinumerik),
       interpreter_(text, file_name, findings_, is_word, {.lines = options.most_repeated_lines}),
-      options_(options),
       control_(std::move(control)) {
-    program_.source = file_name;
-    program_.name = std::filesystem::path(file_name).stem().string();
-    program_.dialect = name_of(Dialect::sinumerik);
-    program_.moves.reserve(text.size() / 32 + 1);
     if (options.units == Units::inch) modes_.unit_mm = modes_.feed_unit_mm = inch_mm;
-    tool_.changed_by_m6 = says_m6(text);
     position_mm_.setConstant(unknown);
     programmed_mm_.setConstant(unknown);
     second_mm_.setConstant(unknown);
     rotary_rad_.fill(unknown);
 }
 
-Result<program::Program> SinumerikReader::read() {
-    for (;;) {
-        const Interpreter::Step step = interpreter_.next(block_);
-        if (step == Interpreter::Step::end) return done();
-        if (step == Interpreter::Step::refused || !block()) return fail(findings_.take_error());
-        if (finished_) return done();
+BlockReader::Step SinumerikReader::read_block() {
+    if (finished_) return Step::end;
+    switch (interpreter_.next(block_)) {
+        case Interpreter::Step::end:
+            return Step::end;
+        case Interpreter::Step::refused:
+            return Step::refused;
+        case Interpreter::Step::block:
+            break;
     }
+    return block() ? Step::block : Step::refused;
 }
 
 bool SinumerikReader::refuse(std::string_view code, const Word& word, std::string text, std::string_view hint) {
@@ -403,11 +401,16 @@ bool SinumerikReader::tool_words() {
         event(EventKind::tool, true, written(*change_word_));
         tool_.changed_by_m6 = true;
     }
-    if (tool_.prepared && (change_word_ || (tool_word_ && !tool_.changed_by_m6))) {
+    if (tool_.prepared && (change_word_ || (tool_word_ && !is_changed_by_m6()))) {
         tool_.name = *tool_.prepared;
         return use_tool(edge_word_ ? edge : tool_.prepared_edge, change_word_ ? *change_word_ : *tool_word_);
     }
     return !edge_word_ || use_tool(edge, *edge_word_);
+}
+
+bool SinumerikReader::is_changed_by_m6() {
+    if (!tool_.changed_by_m6) tool_.changed_by_m6 = says_m6(text().again());
+    return *tool_.changed_by_m6;
 }
 
 bool SinumerikReader::select_tool(const Word& word) {
@@ -415,7 +418,7 @@ bool SinumerikReader::select_tool(const Word& word) {
     if (!word.has_text && (!word.has_value || !(word.value >= 0) || !is_whole(word.value)))
         return refuse("NC0614", word, "a tool is a whole number or a name");
     tool_.prepared = word.has_text ? word.text : fmt::format("{}", word.value);
-    event(EventKind::tool, !tool_.changed_by_m6, written(word));
+    event(EventKind::tool, !is_changed_by_m6(), written(word));
     return true;
 }
 
@@ -531,10 +534,11 @@ bool SinumerikReader::finish_block() {
 
 namespace trunnion::nc {
 
-Result<program::Program> read_sinumerik(std::string_view text, std::string_view file_name, const ReadOptions& options) {
+Result<std::unique_ptr<BlockReader>> open_sinumerik(const ProgramText& text, std::string_view file_name,
+                                                    const ReadOptions& options) {
     auto control = Control::make(options.machine);
     if (!control) return fail(std::move(control.error()));
-    return sinumerik::SinumerikReader(text, file_name, options, std::move(*control)).read();
+    return std::make_unique<sinumerik::SinumerikReader>(text, file_name, options, std::move(*control));
 }
 
 }  // namespace trunnion::nc

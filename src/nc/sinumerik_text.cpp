@@ -162,73 +162,70 @@ bool Cursor::has_jump() const {
     return false;
 }
 
-Source::Source(std::string file, std::string_view text) : file_(std::move(file)) {
-    take_over(text);
+Source::Source(std::string file, const ProgramText& text) : file_(std::move(file)), text_(text) {
+    if (text.view().starts_with(byte_order_mark)) text_ = text.without(byte_order_mark.size());
 }
 
 std::unique_ptr<Source> Source::keeping(std::string file, std::string text) {
     auto source = std::make_unique<Source>(std::move(file), std::string_view{});
     source->kept_ = std::move(text);
-    source->take_over(source->kept_);
+    const std::string_view kept = source->kept_;
+    source->text_ = kept.starts_with(byte_order_mark) ? kept.substr(byte_order_mark.size()) : kept;
     return source;
 }
 
-void Source::take_over(std::string_view text) {
-    if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-    text_ = text;
-    capitals_ = in_capitals(text);
-    cut_sections();
-}
-
-std::string_view Source::take_line(LinePlace& place) const {
-    const std::string_view rest = std::string_view(capitals_).substr(place.offset);
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    place.offset += std::min(line.size() + 1, rest.size());
-    ++place.line;
-    return line;
+void Source::take_line(LinePlace& place, CapitalLine& line) {
+    const std::string_view written = text_.line(place.offset, place.offset);
+    place.line = number_behind(place.line);
+    line.original = written.data();
+    line.capitals = written;
+    if (std::ranges::none_of(written, [](char c) { return c >= 'a' && c <= 'z'; })) return;
+    line.buffer.resize(written.size());
+    std::ranges::transform(written, line.buffer.begin(), upper);
+    line.capitals = line.buffer;
 }
 
 /// A line with % and a name starts a section; % alone is a mark of tapes. What stands before the first one is a section
 /// too, unless it is blank.
 void Source::cut_sections() {
-    sections_.clear();
     sections_.emplace_back();
-    LinePlace place;
     bool first_is_blank = true;
-    while (place.offset < capitals_.size()) {
-        const LinePlace start = place;
-        const std::string_view line = take_line(place);
+    LineScanner lines(text_.again());
+    LinePlace start;
+    for (std::string_view line; lines.next(line); start = {lines.offset(), number_behind(lines.number())}) {
         if (sections_.size() == 1 && first_is_blank) first_is_blank = !says_something(line);
         if (!line.starts_with('%')) continue;
-        const std::string_view header = trimmed(line.substr(1));
+        const std::string header = in_capitals(trimmed(line.substr(1)));
         if (header.empty()) continue;
-        const std::string_view name = header.substr(0, header.find_first_of(" \t;("));
+        const std::string_view name = std::string_view(header).substr(0, header.find_first_of(" \t;("));
         sections_.back().end = start.offset;
         Section section;
         section.main = name.ends_with("_MPF");
         section.name = without(without(name, "_N_", "_MPF"), "", "_SPF");
-        section.begin = place;
+        section.begin = {lines.offset(), number_behind(lines.number())};
         sections_.push_back(std::move(section));
     }
-    sections_.back().end = capitals_.size();
-    lines_ = place.line;
+    sections_.back().end = text_.size();
     if (sections_.size() > 1 && first_is_blank) sections_.erase(sections_.begin());
 }
 
-int Source::next_line_that_says_something(LinePlace place, std::size_t end) const {
-    while (place.offset < end) {
+int Source::next_line_that_says_something(LinePlace place, std::size_t end) {
+    while (place.offset < std::min(end, text_.size())) {
         const int number = place.line;
-        if (says_something(take_line(place))) return number;
+        if (says_something(text_.line(place.offset, place.offset))) return number;
+        place.line = number_behind(place.line);
     }
     return 0;
 }
 
 Section& Source::main_section() {
+    if (sections_.empty()) cut_sections();
     const auto main = std::ranges::find_if(sections_, &Section::main);
     return main == sections_.end() ? sections_.front() : *main;
 }
 
 Section* Source::section(std::string_view name) {
+    if (sections_.empty()) cut_sections();
     const auto found = std::ranges::find(sections_, name, &Section::name);
     return found == sections_.end() || name.empty() ? nullptr : &*found;
 }

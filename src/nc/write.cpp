@@ -8,6 +8,18 @@ namespace trunnion::nc {
 
 namespace {
 
+/// A form of curves belongs to one dialect.
+Result<void> check_curves(const WriteOptions& options) {
+    const bool of_sinumerik = options.curves == CurveForm::bspline || options.curves == CurveForm::poly;
+    const bool absent = (of_sinumerik && options.dialect != Dialect::sinumerik) ||
+                        (options.curves == CurveForm::nurbs && options.dialect != Dialect::fanuc);
+    if (!absent) return {};
+    return fail({.code = "NC0908",
+                 .text = "this form of curves is not of this dialect",
+                 .value = std::string(name_of(options.dialect)),
+                 .hint = "BSPLINE and POLY are of sinumerik, NURBS of fanuc; the others take points"});
+}
+
 Result<void> check(const WriteOptions& options) {
     for (const double precision :
          {options.precision_mm, options.precision_deg, options.vector_precision, options.feed_precision})
@@ -15,7 +27,7 @@ Result<void> check(const WriteOptions& options) {
             return fail({.code = "NC0901",
                          .text = "a precision of what is written lies between 1e-12 and 1",
                          .value = std::to_string(precision)});
-    return {};
+    return check_curves(options);
 }
 
 Result<std::unique_ptr<ProgramWriter>> writer_of(const program::Program& program, const machine::Machine* machine,

@@ -361,7 +361,7 @@ std::vector<RotaryStand> StandChoice::stands() const {
     std::vector<std::size_t> chosen(stages_.size(), 0);  // states are sorted: the first one is the cheapest
     for (std::size_t s = stages_.size() - 1; s > 0; --s) chosen[s - 1] = stages_[s].states[chosen[s]].from;
     std::vector<RotaryStand> out(program_.moves.size());
-    RotaryPosition standing = surroundings_.start();
+    RotaryPosition standing = start_;
     for (std::size_t s = 0; s < stages_.size(); ++s) {
         const Stage& stage = stages_[s];
         const State& state = stage.states[chosen[s]];
@@ -378,7 +378,7 @@ std::vector<RotaryStand> StandChoice::stands() const {
 /// Chooses through one more stage.
 Result<void> StandChoice::add_stage(Stage stage) {
     std::vector<State> start(1);
-    start.front().end = axes_of(machine_, {}, surroundings_.start());
+    start.front().end = axes_of(machine_, {}, start_);
     const std::vector<State>& before = stages_.empty() ? start : stages_.back().states;
     const bool from_literal = stages_.empty() || stages_.back().literal;
     const auto done = stage.literal ? carry_out_literal(stage, before) : choose(stage, before, from_literal);
@@ -402,7 +402,7 @@ Result<std::vector<RotaryStand>> StandChoice::operator()() {
             continue;
         }
         State start;
-        start.end = axes_of(machine_, {}, surroundings_.start());
+        start.end = axes_of(machine_, {}, start_);
         auto stages = vector_stages(first, stages_.empty() ? start : stages_.back().states.front());
         if (!stages) return fail(stages.error());
         for (Stage& stage : *stages)

@@ -13,6 +13,7 @@
 #include "trunnion/geometry/great_circle.hpp"
 #include "trunnion/geometry/helix.hpp"
 #include "trunnion/machine/kinematics.hpp"
+#include "trunnion/nc/following.hpp"
 #include "trunnion/path/rotary_stands.hpp"
 
 namespace trunnion::pipeline {
@@ -78,6 +79,7 @@ class Translation {
     Result<Program> run() {
         out_ = in_;
         out_.moves.clear();
+        out_.following.clear();
         out_.arcs.clear();
         out_.rotary_letters = letters_.letters();
         std::size_t event = 0, control = 0;
@@ -255,6 +257,16 @@ class Translation {
             out_.arcs.push_back(arc);
         }
         out_.moves.push_back(part);
+        follow(k, to);
+    }
+
+    /// The following axes have gone that share of their way along move k.
+    void follow(std::size_t k, double share) {
+        for (std::size_t i = 0; i < in_.following_letters.size(); ++i) {
+            const double end_mm = nc::following_at_end(in_, k, i);
+            const double begin_mm = share < 1 ? nc::following_at_begin(in_, k, i) : end_mm;
+            out_.following.push_back(begin_mm + share * (end_mm - begin_mm));
+        }
     }
 
     Diagnostic at(std::size_t k, const char* code, const char* text, const char* hint) const {

@@ -15,6 +15,7 @@ constexpr double dropped_below = 0.9;  // of the programmed feed
 constexpr double worth_telling_s = 0.005;
 constexpr double used_up = 0.9;  // of a tolerance
 constexpr double bent = 1e-7;    // mm or rad off the straight within a path piece: less is rounding
+constexpr std::size_t many_times = 16;
 constexpr double widest_mm = 6;  // block transition at 10 µm, and as the root of the tolerance above (smoothing)
 
 /// Whether rounding or an arc bends the path here: along a straight block the coordinates are linear.
@@ -41,8 +42,8 @@ double transition_use_at(const path::ToolPath& tool_path, std::size_t path_piece
 
 }  // namespace
 
-FeedDropCollector::FeedDropCollector(double tip_tolerance_mm)
-    : reach_mm_(widest_mm * std::sqrt(std::max(1.0, tip_tolerance_mm / 0.01))) {}
+FeedDropCollector::FeedDropCollector(double tip_tolerance_mm, std::size_t most)
+    : reach_mm_(widest_mm * std::sqrt(std::max(1.0, tip_tolerance_mm / 0.01))), most_(most) {}
 
 void FeedDropCollector::add(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table) {
     const path::ToolPath& tool_path = path.tool_path();
@@ -88,18 +89,23 @@ void FeedDropCollector::close() {
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
     open_.cause = worst->first;
     if (open_.lost_s > worth_telling_s) drops_.push_back(open_);
+    if (drops_.size() > many_times * most_) drop_the_least();
     open_causes_.clear();
     is_open_ = false;
 }
 
-std::vector<FeedDrop> FeedDropCollector::take(std::size_t most) {
-    if (drops_.size() > most) {
-        std::vector<double> lost;
-        lost.reserve(drops_.size());
-        for (const FeedDrop& drop : drops_) lost.push_back(drop.lost_s);
-        std::nth_element(lost.begin(), lost.begin() + static_cast<std::ptrdiff_t>(most), lost.end(), std::greater<>());
-        std::erase_if(drops_, [least = lost[most]](const FeedDrop& drop) { return drop.lost_s <= least; });
-    }
+/// What falls out here would fall out among more drops too.
+void FeedDropCollector::drop_the_least() {
+    if (drops_.size() <= most_) return;
+    std::vector<double> lost;
+    lost.reserve(drops_.size());
+    for (const FeedDrop& drop : drops_) lost.push_back(drop.lost_s);
+    std::nth_element(lost.begin(), lost.begin() + static_cast<std::ptrdiff_t>(most_), lost.end(), std::greater<>());
+    std::erase_if(drops_, [least = lost[most_]](const FeedDrop& drop) { return drop.lost_s <= least; });
+}
+
+std::vector<FeedDrop> FeedDropCollector::take() {
+    drop_the_least();
     return std::move(drops_);
 }
 

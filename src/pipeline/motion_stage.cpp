@@ -37,7 +37,7 @@ Result<void> MotionStage::plan(const IntervalBatch& batch) {
         if (batch.last) planned.emplace(planner_->finish());
     }
     if (!planned) return {};
-    if (!*planned) return fail(located(planned->error(), program_, path().tool_path().blocks.front().line));
+    if (!*planned) return fail(located(planned->error(), *run_.program, path().tool_path().blocks.front().line));
     perform(**planned);
     return {};
 }
@@ -54,7 +54,7 @@ void MotionStage::perform(const feed::StretchPlan& plan) {
     sample(plan, table);
     if (options_.path_samples)
         hand_out_path_samples(path(), plan.profile, table, p_mm_, options_.smoothing.flank_height_mm, observer_);
-    account_.add(path(), plan, table);
+    account_.add(path(), plan, table, run_.program->source);
     at_ = path().end_position();
     line_ = tool_path.blocks.back().line;
     time_s_ += plan.profile.duration_s();
@@ -65,7 +65,7 @@ void MotionStage::perform(const feed::StretchPlan& plan) {
 /// Events that fall before a block while the axes stand; dwells pass time.
 void MotionStage::events_before_block(std::size_t block) {
     for (; next_event_ < run_.events.size() && run_.events[next_event_].block <= block; ++next_event_) {
-        const program::Event& event = program_.events[run_.events[next_event_].event];
+        const program::Event& event = run_.program->events[run_.events[next_event_].event];
         observer_.event({time_s_, s_mm_, &event});
         if (event.dwell_s <= 0) continue;
         account_.add_dwell(event.dwell_s);
@@ -82,8 +82,8 @@ void MotionStage::events_of_stretch(const motion::FeedProfile& profile, const St
                              [](const path::BlockSpan& span, std::size_t wanted) { return span.run_block < wanted; });
         if (block == blocks.end()) return;
         const double p = block->begin_mm;
-        observer_.event(
-            {time_s_ + table.time_at(profile, p), table.way_at(p), &program_.events[run_.events[next_event_].event]});
+        observer_.event({time_s_ + table.time_at(profile, p), table.way_at(p),
+                         &run_.program->events[run_.events[next_event_].event]});
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <string>
 
 #include <fmt/format.h>
@@ -48,15 +49,15 @@ Result<void> run_to_end(IntervalSource& source, MotionStage& motion, int threads
     return run_to_end(ahead, motion, go_on);
 }
 
-Result<Summary> plan_once(const PlannedJob& job, MotionStage& motion, const std::function<bool(double)>& go_on) {
-    auto stretches = StretchSource::make(job.program, job.machine, job.setup, job.options, job.stands);
-    if (!stretches) return fail(stretches.error());
-    IntervalSource intervals(*stretches, job.options.feed);
-    if (auto done = run_to_end(intervals, motion, job.options.threads, go_on); !done) return fail(done.error());
+Result<Summary> plan_once(PartSource& parts, const machine::Machine& machine, const PlanOptions& options,
+                          MotionStage& motion, const std::function<bool(double)>& go_on) {
+    StretchSource stretches(parts, machine, options);
+    IntervalSource intervals(stretches, options.feed);
+    if (auto done = run_to_end(intervals, motion, options.threads, go_on); !done) return fail(done.error());
     Summary summary = motion.finish();
-    summary.work.smooth_s = stretches->smooth_s();
+    summary.work.smooth_s = stretches.smooth_s();
     summary.work.plan_s += intervals.grid_s();
-    const auto& met = stretches->diagnostics();
+    const auto met = stretches.diagnostics();
     summary.diagnostics.insert(summary.diagnostics.end(), met.begin(), met.end());
     return summary;
 }
@@ -82,11 +83,49 @@ Result<void> check_options(const PlanOptions& options) {
 
 Result<Summary> plan_with_worth(const PlannedJob& job, PlanObserver& observer) {
     const double first = 1.0 / (1 + most_replans(job));
-    MotionStage motion(job.program, job.machine, job.options, observer);
-    auto summary = plan_once(job, motion, progress_of_part(observer, 0, first));
+    MotionStage motion(job.machine, job.options, observer);
+    WholeProgram program(job.program, job.machine, job.setup, {job.stands.begin(), job.stands.end()});
+    auto summary = plan_once(program, job.machine, job.options, motion, progress_of_part(observer, 0, first));
     if (!summary) return summary;
     auto found = find_worth(job, motion.gradients(), progress_of_part(observer, first, 1), *summary);
     return found ? std::move(summary) : fail(found.error());
+}
+
+/// The options as they are used: where nothing may be rounded, nothing is.
+PlanOptions options_in_use(const PlanOptions& options) {
+    PlanOptions out = options;
+    if (smoothing::follows_exactly(out.smoothing)) out.smoothing.rounding = smoothing::Rounding::none;
+    out.feed.period_s = options.period_s;
+    return out;
+}
+
+/// What is known of a plan beside the motion: names, what reading noticed, the work.
+void complete(Summary& summary, const program::Program& names, const std::vector<Diagnostic>& of_reading,
+              const machine::Machine& machine, const machine::Setup& setup, const PlanOptions& options,
+              std::chrono::steady_clock::time_point start) {
+    summary.program = names.source;
+    summary.dialect = names.dialect;
+    summary.machine = machine.name;
+    summary.setup = setup.file;
+    summary.diagnostics.insert(summary.diagnostics.begin(), of_reading.begin(), of_reading.end());
+    if (smoothing::follows_exactly(options.smoothing) && options.smoothing.rounding != smoothing::Rounding::none)
+        summary.diagnostics.push_back({.code = "PIPE0104",
+                                       .severity = Severity::warning,
+                                       .text = "a tolerance of 0 leaves nothing to round: exact stop at every corner"});
+    summary.work.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    summary.work.peak_memory_mb = peak_memory_mb();
+}
+
+/// In several parts there is no planning again.
+void leave_out_worth(Summary& summary) {
+    const PlanOptions& options = summary.options;
+    if (options.feed.calm == 0) summary.calm.price_s = 0;
+    if (!options.worth) return;
+    summary.diagnostics.push_back(
+        {.code = "PIPE0106",
+         .severity = Severity::warning,
+         .text = "what more of each limit is worth is not looked for where the program is planned in parts",
+         .hint = "give a part of the program"});
 }
 
 }  // namespace
@@ -95,28 +134,34 @@ Result<Summary> plan(const program::Program& program, const machine::Machine& ma
                      const PlanOptions& options, PlanObserver& observer) {
     if (auto good = check_options(options); !good) return fail(good.error());
     const auto start = std::chrono::steady_clock::now();
-    PlanOptions used = options;
-    const bool exact = smoothing::follows_exactly(used.smoothing);
-    const bool told = exact && used.smoothing.rounding != smoothing::Rounding::none;
-    if (exact) used.smoothing.rounding = smoothing::Rounding::none;
-    used.feed.period_s = options.period_s;
+    const PlanOptions used = options_in_use(options);
     const auto stands =
         path::choose_rotary_stands(program, machine, setup, smoothing::pole_tolerance_rad(used.smoothing));
     if (!stands) return fail(stands.error());
     auto summary = plan_with_worth({program, machine, setup, used, *stands}, observer);
     if (!summary) return summary;
-    summary->program = program.source;
-    summary->dialect = program.dialect;
-    summary->machine = machine.name;
-    summary->setup = setup.file;
-    summary->diagnostics.insert(summary->diagnostics.begin(), program.diagnostics.begin(), program.diagnostics.end());
-    if (told)
-        summary->diagnostics.push_back(
-            {.code = "PIPE0104",
-             .severity = Severity::warning,
-             .text = "a tolerance of 0 leaves nothing to round: exact stop at every corner"});
-    summary->work.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    summary->work.peak_memory_mb = peak_memory_mb();
+    complete(*summary, program, program.diagnostics, machine, setup, options, start);
+    return summary;
+}
+
+Result<Summary> plan(program::ProgramParts& parts, const machine::Machine& machine, const machine::Setup& setup,
+                     const PlanOptions& options, PlanObserver& observer) {
+    if (auto good = check_options(options); !good) return fail(good.error());
+    const auto start = std::chrono::steady_clock::now();
+    auto first = std::make_shared<program::Program>(), second = std::make_shared<program::Program>();
+    for (const auto& part : {first, second}) {
+        const auto more = parts.next(*part);
+        if (!more) return fail(more.error());
+        if (!*more) return plan(*first, machine, setup, options, observer);
+    }
+    const program::Program names{.source = first->source, .dialect = first->dialect};
+    const PlanOptions used = options_in_use(options);
+    MotionStage motion(machine, used, observer);
+    ReadParts source({std::move(first), std::move(second)}, parts, machine, setup, used);
+    auto summary = plan_once(source, machine, used, motion, progress_of_part(observer, 0, 1));
+    if (!summary) return summary;
+    leave_out_worth(*summary);
+    complete(*summary, names, source.diagnostics(), machine, setup, options, start);
     return summary;
 }
 

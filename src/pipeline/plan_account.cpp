@@ -20,8 +20,8 @@ void widen(AxisLoad& load, const feed::AxisPeaks& peaks) {
 
 }  // namespace
 
-PlanAccount::PlanAccount(const program::Program& program, const machine::Machine& machine, const PlanOptions& options)
-    : program_(&program), axis_count_(machine.axis_count), drops_(options.smoothing.tip_tolerance_mm) {
+PlanAccount::PlanAccount(const machine::Machine& machine, const PlanOptions& options)
+    : axis_count_(machine.axis_count), drops_(options.smoothing.tip_tolerance_mm, most_feed_drops) {
     summary_.options = options;
     summary_.calm.weight = options.feed.calm;
     summary_.axes.resize(static_cast<std::size_t>(machine.axis_count));
@@ -33,11 +33,12 @@ void PlanAccount::add_dwell(double time_s) {
     summary_.dwell_time_s += time_s;
 }
 
-void PlanAccount::add(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table) {
+void PlanAccount::add(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table,
+                      const std::string& file) {
     const path::ToolPath& stretch = path.tool_path();
     const double time_s = plan.profile.duration_s();
     if (plan.fallbacks > 0 && time_s > far_slower * plan.jerk_free_bound_s)
-        tell_of_slowness(stretch, time_s, plan.jerk_free_bound_s);
+        tell_of_slowness(stretch, time_s, plan.jerk_free_bound_s, file);
     if (moved_) count_stop(stretch);
     moved_ = true;
     dwelt_ = false;
@@ -51,7 +52,7 @@ void PlanAccount::add(const path::AxisPath& path, const feed::StretchPlan& plan,
     summary_.tip_deviation_mm = std::max(summary_.tip_deviation_mm, stretch.bound.tip_mm);
     summary_.orientation_deviation_rad = std::max(summary_.orientation_deviation_rad, stretch.bound.orientation_rad);
     summary_.height_deviation_mm = std::max(summary_.height_deviation_mm, stretch.bound.height_mm);
-    transition_use_.insert(transition_use_.end(), stretch.transition_use.begin(), stretch.transition_use.end());
+    for (const float use : stretch.transition_use) transition_use_.add(use);
     drops_.add(path, plan, table);
 }
 
@@ -66,11 +67,12 @@ void PlanAccount::add_loads(const feed::StretchPlan& plan) {
     }
 }
 
-void PlanAccount::tell_of_slowness(const path::ToolPath& stretch, double time_s, double bound_s) {
+void PlanAccount::tell_of_slowness(const path::ToolPath& stretch, double time_s, double bound_s,
+                                   const std::string& file) {
     summary_.diagnostics.push_back({.code = "PIPE0102",
                                     .severity = Severity::warning,
                                     .text = "the feed planner found no good plan here: far slower than it needs to be",
-                                    .place = {.file = program_->source, .line = stretch.blocks.front().line},
+                                    .place = {.file = file, .line = stretch.blocks.front().line},
                                     .value = fmt::format("{:.3g} s", time_s),
                                     .limit = fmt::format("{:.3g} s without jerk limits", bound_s),
                                     .hint = "lead the tool axis farther from the pole"});
@@ -119,12 +121,8 @@ Summary PlanAccount::take() {
         load.limiting_share = summary_.cut_time_s > 0 ? drops_.limiting_s(i) / summary_.cut_time_s : 0;
         load.jerk_rms = motion_s > 0 ? std::sqrt(jerk_square_s_[i] / motion_s) : 0;
     }
-    summary_.feed_drops = drops_.take(most_feed_drops);
-    if (!transition_use_.empty()) {
-        const auto middle = transition_use_.begin() + static_cast<std::ptrdiff_t>(transition_use_.size() / 2);
-        std::nth_element(transition_use_.begin(), middle, transition_use_.end());
-        summary_.tolerance_used = *middle;
-    }
+    summary_.feed_drops = drops_.take();
+    summary_.tolerance_used = transition_use_.median();
     return std::move(summary_);
 }
 

@@ -44,16 +44,16 @@ Result<double> time_of(const Stretch& stretch, const machine::Machine& machine, 
         else
             block.feed.value *= change.feed_factor;
     }
-    const auto copy = Stretch::make(std::move(faster), machine, stretch.near);
+    const auto copy = Stretch::make(std::move(faster), machine, stretch.near, stretch.part);
     if (!copy) return fail(copy.error());
     return time_of(*(*copy)->axis_path, change.feed, go_on);
 }
 
 class Replanning {
   public:
-    Replanning(const program::Program& program, const machine::Machine& machine, std::span<const LimitChange> changes,
+    Replanning(const StretchSource& stretches, const machine::Machine& machine, std::span<const LimitChange> changes,
                const GoOn& go_on)
-        : program_(program), machine_(machine), changes_(changes), go_on_(go_on), times_s_(changes.size(), 0.0) {}
+        : stretches_(stretches), machine_(machine), changes_(changes), go_on_(go_on), times_s_(changes.size(), 0.0) {}
 
     /// Adds a stretch to all times; false: cancelled.
     bool add(const StretchBegin& stretch, double share_at_begin, std::size_t threads) {
@@ -83,10 +83,11 @@ class Replanning {
         if (time_s)
             *times_s_[k] += *time_s;
         else
-            times_s_[k] = fail(located(time_s.error(), program_, stretch.stretch->tool_path.blocks.front().line));
+            times_s_[k] =
+                fail(located(time_s.error(), stretches_.program(), stretch.stretch->tool_path.blocks.front().line));
     }
 
-    const program::Program& program_;
+    const StretchSource& stretches_;
     const machine::Machine& machine_;
     std::span<const LimitChange> changes_;
     const GoOn& go_on_;
@@ -98,7 +99,7 @@ class Replanning {
 
 Result<std::vector<Result<double>>> motion_times(StretchSource& stretches, const machine::Machine& machine,
                                                  std::span<const LimitChange> changes, int threads, const GoOn& go_on) {
-    Replanning replanning(stretches.program(), machine, changes, go_on);
+    Replanning replanning(stretches, machine, changes, go_on);
     for (;;) {
         const auto element = stretches.next();
         if (!element) return fail(element.error());

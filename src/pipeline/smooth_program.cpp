@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "trunnion/nc/following.hpp"
 #include "trunnion/path/path_builder.hpp"
 #include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/smoothing/pole_tolerance.hpp"
@@ -44,6 +45,7 @@ class ProgramSmoother {
         Program& out = out_.program;
         out = in_;
         out.moves.clear();
+        out.following.clear();
         new_place_.assign(in_.moves.size() + 1, 0);
         keep(0, 1);
         path::Run run, next;
@@ -70,6 +72,8 @@ class ProgramSmoother {
         for (std::size_t k = from; k < to; ++k) {
             new_place_[k] = out_.program.moves.size();
             out_.program.moves.push_back(in_.moves[k]);
+            for (std::size_t i = 0; i < in_.following_letters.size(); ++i)
+                out_.program.following.push_back(nc::following_at_end(in_, k, i));
         }
         if (to <= from) return;
         done_ = to;
@@ -98,16 +102,22 @@ class ProgramSmoother {
         options.controlled_height_mm = run.controlled_height_mm;
         smoothing::smooth(run, options, stretches);
         find_moves(run, end);
+        begun_share_ = 0;
         const std::size_t before = out_.program.moves.size();
         const SmoothedProgram so_far{.written_moves = out_.written_moves,
                                      .tip_deviation_mm = out_.tip_deviation_mm,
                                      .orientation_deviation_rad = out_.orientation_deviation_rad};
-        for (std::size_t k = 0; k < stretches.size(); ++k)
-            if (auto put = put_stretch(stretches[k], run, k + 1 == stretches.size()); !put) return put;
+        for (std::size_t k = 0; k < stretches.size(); ++k) {
+            const bool last = k + 1 == stretches.size();
+            block_behind_ = last ? run.blocks.size() : stretches[k + 1].blocks.front().run_block;
+            if (auto put = put_stretch(stretches[k], run, last); !put) return put;
+            begin_share_behind(stretches[k]);
+        }
         const std::size_t points = out_.program.moves.size() - before;
         if (form_ == SmoothedForm::points && points >= end - run.first_move) {
             // Points on the rounding of a lone corner only hinder a control's own rounding.
             out_.program.moves.resize(before);
+            out_.program.following.resize(before * in_.following_letters.size());
             out_.written_moves = so_far.written_moves;
             out_.tip_deviation_mm = so_far.tip_deviation_mm;
             out_.orientation_deviation_rad = so_far.orientation_deviation_rad;
@@ -134,6 +144,7 @@ class ProgramSmoother {
             move_of_block_.push_back(move);
             ++move;
         }
+        move_of_block_.push_back(end);
         std::fill(new_place_.begin() + static_cast<std::ptrdiff_t>(run.first_move),
                   new_place_.begin() + static_cast<std::ptrdiff_t>(end), unplaced);
     }
@@ -151,7 +162,18 @@ class ProgramSmoother {
     bool begins_with_point(const path::BlockSpan& span, const path::BlockSpan& before) const {
         const Move &to = move_of(span), &from = move_of(before);
         return span.feed != before.feed || span.feed.rule != FeedRule::tip_speed || to.offset != from.offset ||
-               something_happens_before(move_of_block_[span.run_block]);
+               something_happens_before(move_of_block_[span.run_block]) || starts_or_ends_following(span, before);
+    }
+
+    /// Whether a following axis goes along with one of two blocks alone.
+    bool starts_or_ends_following(const path::BlockSpan& span, const path::BlockSpan& before) const {
+        const auto goes = [&](const path::BlockSpan& block, std::size_t axis) {
+            const std::size_t move = move_of_block_[block.run_block];
+            return nc::following_at_end(in_, move, axis) != nc::following_at_begin(in_, move, axis);
+        };
+        for (std::size_t i = 0; i < in_.following_letters.size(); ++i)
+            if (goes(span, i) != goes(before, i)) return true;
+        return false;
     }
 
     Result<void> put_stretch(const path::ToolPath& path, const path::Run& run, bool last) {
@@ -190,7 +212,7 @@ class ProgramSmoother {
     Move& put_move(const StretchCurve& curve, const path::ToolPath& path, double from, double to, bool last) {
         const path::BlockSpan& span = span_at(path, 0.5 * (from + to));
         Move move = move_of(span);
-        const Move& programmed_end = in_.moves[move_of_block_.back()];
+        const Move& programmed_end = in_.moves[move_of_block_[move_of_block_.size() - 2]];
         for (std::size_t block = span.run_block + 1; block-- > 0;) {
             std::size_t& place = new_place_[move_of_block_[block]];
             if (place != unplaced) break;
@@ -209,8 +231,46 @@ class ProgramSmoother {
         move.exact_stop = last && programmed_end.exact_stop;
         move.feed = feed_of(span, begin, end, from, to, curve);
         out_.program.moves.push_back(move);
+        follow(path, to);
         ++out_.written_moves;
         return out_.program.moves.back();
+    }
+
+    /// The following axes at the end of a move that ends at `to_mm`: of every block of the program in proportion to p,
+    /// and all of it where the block ends. Blocks without a span go along with the one before them.
+    void follow(const path::ToolPath& path, double to_mm) {
+        if (in_.following_letters.empty()) return;
+        auto behind = std::ranges::lower_bound(path.blocks, to_mm, {}, &path::BlockSpan::begin_mm);
+        if (behind == path.blocks.begin()) ++behind;
+        const path::BlockSpan& span = *(behind - 1);
+        const std::size_t next = behind == path.blocks.end() ? block_behind_ : behind->run_block;
+        const double share = share_at(path, span, next, to_mm);
+        const std::size_t first = move_of_block_[span.run_block];
+        const std::size_t last = std::max(move_of_block_[next], first + 1) - 1;
+        for (std::size_t i = 0; i < in_.following_letters.size(); ++i) {
+            const double begin_mm = nc::following_at_begin(in_, first, i);
+            const double end_mm = nc::following_at_end(in_, last, i) - nc::following_standing(in_, first + 1, last, i);
+            out_.program.following.push_back(share < 1 ? begin_mm + share * (end_mm - begin_mm) : end_mm);
+        }
+    }
+
+    /// Of a block of the program, till a place on one of its spans; `next` is the block of the span behind it.
+    double share_at(const path::ToolPath& path, const path::BlockSpan& span, std::size_t next, double p_mm) const {
+        const double begun = &span == path.blocks.data() ? begun_share_ : 0;
+        const double ended = next == span.run_block ? share_behind(span, begun) : 1;
+        const double within = std::clamp((p_mm - span.begin_mm) / (span.end_mm - span.begin_mm), 0.0, 1.0);
+        return begun + within * (ended - begun);
+    }
+
+    /// A block that goes on in the next stretch.
+    static double share_behind(const path::BlockSpan& span, double begun) {
+        return std::min(begun + (span.end_mm - span.begin_mm) / span.time_scale_mm, 1.0);
+    }
+
+    void begin_share_behind(const path::ToolPath& path) {
+        const path::BlockSpan& span = path.blocks.back();
+        const double begun = path.blocks.size() == 1 ? begun_share_ : 0;
+        begun_share_ = block_behind_ == span.run_block ? share_behind(span, begun) : 0;
     }
 
     const machine::Frame& offset_of(const Move& move) const {
@@ -314,8 +374,10 @@ class ProgramSmoother {
     std::vector<program::RotaryStand> stands_;
     SmoothedProgram out_;
     std::size_t done_ = 0;
-    std::vector<std::size_t> new_place_;  ///< of every move of the program
-    std::vector<std::size_t> move_of_block_;
+    std::vector<std::size_t> new_place_;      ///< of every move of the program
+    std::vector<std::size_t> move_of_block_;  ///< of a run; behind it the first move that is not its own
+    std::size_t block_behind_ = 0;            ///< of the stretch behind the one in work
+    double begun_share_ = 0;                  ///< of a block that the stretch before began
 };
 
 }  // namespace

@@ -19,8 +19,10 @@ void lengthen_parameter(path::ToolPath& path) {
 }
 
 Result<std::shared_ptr<const Stretch>> Stretch::make(path::ToolPath tool_path, const machine::Machine& machine,
-                                                     const machine::RotaryPosition& near) {
+                                                     const machine::RotaryPosition& near,
+                                                     std::shared_ptr<const void> part) {
     auto out = std::make_shared<Stretch>(std::move(tool_path), near);
+    out->part = std::move(part);
     lengthen_parameter(out->tool_path);
     auto axis_path = path::AxisPath::make(out->tool_path, machine, near);
     if (!axis_path) return fail(axis_path.error());

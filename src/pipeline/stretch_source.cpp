@@ -23,12 +23,26 @@ constexpr double turn_slack_rad = 2e-9;  // of an axis that is free to turn: thi
 
 }  // namespace
 
-Result<StretchSource> StretchSource::make(const program::Program& program, const machine::Machine& machine,
-                                          const machine::Setup& setup, const PlanOptions& options,
-                                          std::span<const program::RotaryStand> stands) {
-    auto builder = path::PathBuilder::make(program, machine, setup, stands);
-    if (!builder) return fail(builder.error());
-    return StretchSource(program, machine, options, std::move(*builder));
+/// What several parts say in the same words is said once.
+std::vector<Diagnostic> StretchSource::diagnostics() const {
+    std::vector<Diagnostic> out = diagnostics_;
+    if (!part_) return out;
+    for (const Diagnostic& met : part_->builder->diagnostics()) {
+        const auto is_same = [&](const Diagnostic& said) { return said.code == met.code && said.text == met.text; };
+        if (std::ranges::none_of(diagnostics_, is_same)) out.push_back(met);
+    }
+    return out;
+}
+
+/// Part by part, each begins where the one before ended: there the machine stands still.
+Result<void> StretchSource::take_next_part() {
+    auto next = parts_->next();
+    if (!next) return fail(next.error());
+    at_end_ = !*next;
+    if (at_end_) return {};
+    diagnostics_ = diagnostics();
+    part_ = std::move(*next);
+    return {};
 }
 
 NextElement StretchSource::next() {
@@ -44,22 +58,26 @@ NextElement StretchSource::next() {
     return Element{RunEnd{}, share(run_.blocks.size())};
 }
 
+/// The next run, or, behind the last one of a part, the events that are left.
 NextElement StretchSource::begin_run() {
-    auto more = builder_.next(run_);
+    if (!part_)
+        if (auto taken = take_next_part(); !taken) return fail(taken.error());
+    auto more = part_->builder->next(run_);
     if (!more) return fail(more.error());
     smoothed_.clear();
     next_smoothed_ = 0;
-    if (!*more) {
-        at_end_ = true;
-        if (run_.events.empty()) return std::nullopt;
-        run_.first_move = program_->moves.size();
-        run_.blocks.clear();
-    } else {
+    if (*more) {
         apply_feed_options();
         smooth();
+    } else if (!run_.events.empty()) {
+        run_.first_move = program().moves.size();
+        run_.blocks.clear();
+    } else {
+        if (auto taken = take_next_part(); !taken) return fail(taken.error());
+        return at_end_ ? NextElement(std::nullopt) : begin_run();
     }
     in_run_ = true;
-    return Element{RunBegin{run_.events, run_.blocks.size()}, share(0)};
+    return Element{RunBegin{part_->program, run_.events, run_.blocks.size()}, share(0)};
 }
 
 void StretchSource::apply_feed_options() {
@@ -84,8 +102,8 @@ void StretchSource::smooth() {
 Result<void> StretchSource::make_ready(path::ToolPath& tool_path) {
     const RotaryPosition near = standing_before(tool_path);
     const std::int32_t line = tool_path.blocks.front().line;
-    auto stretch = Stretch::make(std::move(tool_path), *machine_, near);
-    if (!stretch) return fail(located(stretch.error(), *program_, line));
+    auto stretch = Stretch::make(std::move(tool_path), *machine_, near, part_);
+    if (!stretch) return fail(located(stretch.error(), program(), line));
     if (auto turned = turn_in_place(*(*stretch)->axis_path); !turned) return turned;
     hand_out(std::move(*stretch));
     return {};
@@ -101,7 +119,8 @@ void StretchSource::hand_out(std::shared_ptr<const Stretch> stretch) {
 
 double StretchSource::share(std::size_t block) const {
     const double done = static_cast<double>(run_.first_move + block);
-    return std::min(done / static_cast<double>(program_->moves.size()), 1.0);
+    const double of_part = std::min(done / static_cast<double>(program().moves.size()), 1.0);
+    return part_->share_begin + of_part * (part_->share_end - part_->share_begin);
 }
 
 /// Where the rotary axes are before a stretch: where the last one left them, but at the pole as the moves to come want
@@ -120,7 +139,7 @@ RotaryPosition StretchSource::standing_before(const path::ToolPath& tool_path) c
 /// the program does; then the axes arrive a whole turn away from where rotary words count from.
 Diagnostic StretchSource::joint_error(const path::AxisPath& next, double jump) const {
     const AxisPosition begin = next.begin_position();
-    const Place place{.file = program_->source, .line = next.tool_path().blocks.front().line};
+    const Place place{.file = program().source, .line = next.tool_path().blocks.front().line};
     for (int i = machine_->linear_count(); i < machine_->axis_count; ++i) {
         if (std::abs(std::remainder(begin[i] - at_[i], 2 * std::numbers::pi)) > joint_slack) break;
         if (std::abs(begin[i] - at_[i]) <= joint_slack) continue;
@@ -172,8 +191,8 @@ Result<void> StretchSource::turn_in_place(const path::AxisPath& next) {
     smoothing::smooth(run, options_->smoothing, turns);
     turns.front().stop = path::StopCause::turn;
     turns.front().blocks.front().run_block = tool_path.blocks.front().run_block;
-    auto stretch = Stretch::make(std::move(turns.front()), *machine_, {});
-    if (!stretch) return fail(located(stretch.error(), *program_, tool_path.blocks.front().line));
+    auto stretch = Stretch::make(std::move(turns.front()), *machine_, {}, part_);
+    if (!stretch) return fail(located(stretch.error(), program(), tool_path.blocks.front().line));
     hand_out(std::move(*stretch));
     return {};
 }

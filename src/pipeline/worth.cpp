@@ -149,9 +149,9 @@ class Answers {
 
 Result<std::vector<Result<double>>> motion_times(const PlannedJob& job, const PlanOptions& options,
                                                  std::span<const LimitChange> changes, const GoOn& go_on) {
-    auto stretches = StretchSource::make(job.program, job.machine, job.setup, options, job.stands);
-    if (!stretches) return fail(stretches.error());
-    return motion_times(*stretches, job.machine, changes, options.threads, go_on);
+    WholeProgram program(job.program, job.machine, job.setup, {job.stands.begin(), job.stands.end()});
+    StretchSource stretches(program, job.machine, options);
+    return motion_times(stretches, job.machine, changes, options.threads, go_on);
 }
 
 Result<void> answer_limits(const PlannedJob& job, const std::vector<LimitQuestion>& questions, const GoOn& go_on,

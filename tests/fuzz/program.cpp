@@ -61,6 +61,9 @@ void expect_sound(const program::Program& program) {
         expect(part.curve >= 0 && std::size_t(part.curve) < program.curves.size(), "curves are known");
         expect(part.from_u < part.to_u, "parts of curves have a length");
     }
+    expect(program.following.size() == program.moves.size() * program.following_letters.size(),
+           "every move has a row of following axes");
+    for (const double at_mm : program.following) expect(std::isfinite(at_mm), "following axes are finite");
     expect(std::ranges::is_sorted(program.events, {}, &program::Event::before_move), "events are in order");
     for (const program::Event& event : program.events) {
         expect(event.before_move <= program.moves.size(), "events fall among the moves");
@@ -76,7 +79,7 @@ void take_program(std::string_view dialect, std::string_view bytes) {
     options.dialect = nc::dialect_named(dialect);
     if (!options.dialect) return;  // a dialect that is still to come
     options.machine = &machine;
-    options.most_repeated_lines = 10'000;  // endless loops are many, and each takes its time
+    options.most_repeated_lines = 10'000;                  // endless loops are many, and each takes its time
     options.feed_given_elsewhere = bytes.size() % 2 == 0;  // both kinds of reading, and any file is a seed
     if (const auto recognised = nc::recognise(bytes); !recognised) expect_sound(recognised.error(), bytes);
     const auto program = nc::read_program(bytes, "fuzz", options);

@@ -11,7 +11,7 @@ def command_line(words, out):
     """With every output that the command can write, into the folder `out`."""
     if words[0] in ('machine', 'controller'):
         return words
-    if words[0] in ('convert', 'smooth'):
+    if words[0] in ('convert', 'smooth', 'deform'):
         return [*words, '-o', f'{out}/p.nc']
     if words[0] == 'predict':
         return [*words, '--summary', f'{out}/s.json', '--samples', f'{out}/p.csv']

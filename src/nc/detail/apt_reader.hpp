@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "trunnion/base/quantity.hpp"
 
 #include "detail/apt_statement.hpp"
+#include "detail/block_reader.hpp"
 #include "detail/curves.hpp"
 #include "detail/dialects.hpp"
 #include "detail/findings.hpp"
@@ -57,17 +57,19 @@ struct PoseFrame {
 
 /// Carries out the statements of APT data, one function each; apt.cpp has the table from words to functions,
 /// apt_motion.cpp poses and feeds, apt_arc.cpp circles, apt_curve.cpp curves.
-class AptReader {
+class AptReader final : public BlockReader {
   public:
-    AptReader(std::string_view text, std::string_view file_name, const ReadOptions& options)
-        : scanner_(text), findings_(file_name), options_(options) {
-        program_.source = file_name;
-        program_.name = std::filesystem::path(file_name).stem().string();
-        program_.dialect = name_of(Dialect::apt);
+    AptReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options)
+        : BlockReader(file_name, options, Dialect::apt), scanner_(text) {
         if (options.units == Units::inch) unit_mm_ = inch_mm;
     }
 
-    Result<program::Program> read();
+    Step read_block() override;
+    bool finish() override;
+    int line() const override { return scanner_.line(); }
+    const ProgramText& text() const override { return scanner_.text(); }
+    std::size_t position() const override { return scanner_.offset(); }
+    bool waits() const override { return curve_.has_value(); }
 
     // The statements.
     bool go_to();
@@ -90,7 +92,7 @@ class AptReader {
     bool coolant() { return event(program::EventKind::coolant, false); }
     bool stop() { return event(program::EventKind::stop, true); }
     bool delay();
-    bool finish();
+    bool end();
     bool remark() { return true; }
     bool ignore();
     bool only_off();
@@ -103,7 +105,6 @@ class AptReader {
 
   private:
     bool statement();
-    Result<program::Program> done();
     bool numbers(Numbers& out, bool blanks_separate);
     bool add_pose(const Numbers& pose);
     bool set_axis(const Eigen::Vector3d& vector);
@@ -138,9 +139,6 @@ class AptReader {
     }
 
     StatementScanner scanner_;
-    Findings findings_;
-    const ReadOptions& options_;
-    program::Program program_;
     UnitStatement stated_;
     double unit_mm_ = 1;
     std::optional<double> feed_mm_s_;

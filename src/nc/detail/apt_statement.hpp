@@ -12,7 +12,7 @@ namespace trunnion::nc {
 /// Cuts APT data into statements: joins lines over `$`, drops `$$` comments, splits at the slash.
 class StatementScanner {
   public:
-    explicit StatementScanner(std::string_view text) : lines_(text) {}
+    explicit StatementScanner(const ProgramText& text) : lines_(text) {}
 
     enum class Step { statement, end, truncated };
 
@@ -24,6 +24,9 @@ class StatementScanner {
     Spot spot() const { return spot(body_); }
     Spot spot(std::string_view part) const;  ///< of the start of a part of the statement
     std::string_view rest() const { return lines_.rest(); }
+    int line() const { return lines_.number(); }
+    std::size_t offset() const { return lines_.offset(); }
+    const ProgramText& text() const { return lines_.text(); }
 
   private:
     /// A stretch of the statement that stands in one line of the text.

@@ -46,4 +46,7 @@ Result<program::Arc> arc_by_radius(const Eigen::Vector3d& start, const Eigen::Ve
 /// Errors: NC0211 the points lie on a line or coincide, NC0213.
 Result<program::Arc> arc_through(const Eigen::Vector3d& start, const Eigen::Vector3d& via, const Eigen::Vector3d& end);
 
+/// The square of the way along a circle or helix, mm², from a place on it that `step` separates from its end.
+double square_of_way(const program::Arc& arc, const Eigen::Vector3d& from, const Eigen::Vector3d& step);
+
 }  // namespace trunnion::nc

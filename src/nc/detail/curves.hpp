@@ -22,6 +22,10 @@ struct CurvePose {
 /// scheme on homogeneous coordinates. Cost: O(p² + log n); allocates nothing.
 CurvePose pose_at(const program::Curve& curve, double u);
 
+/// The part of a curve from one parameter to another, from_u < to_u, as a curve of its own: of the same degree, both
+/// ends knots of full multiplicity, its knots from 0, its first weight 1.
+program::Curve part_of_curve(const program::Curve& curve, double from_u, double to_u);
+
 /// Knots of a curve that starts and ends in its first and last control point: from 0, with these distances between.
 std::vector<double> clamped_knots(int degree, std::span<const double> distances);
 
@@ -41,9 +45,19 @@ std::optional<Spans> spans_of(std::span<const double> lengths, const std::vector
 /// The Bézier ordinates over [0, 1] of Σ coefficients[k] tᵏ, as many as there are coefficients.
 std::vector<double> bernstein_ordinates(std::span<const double> coefficients);
 
+/// The other way round: the coefficients of the powers of t from the Bézier ordinates.
+std::vector<double> power_coefficients(std::span<const double> ordinates);
+
 /// Whether the tool axis of the curve can vanish nowhere: within every span the control vectors lie on one side of a
 /// plane. Curves without axes are good.
 bool has_direction_everywhere(const program::Curve& curve);
+
+/// The curve that moves[move] follows; null: none, or there is no such move.
+const program::Curve* curve_followed(const program::Program& program, std::size_t move);
+
+/// How many moves from moves[first] on follow one curve without a break: at feed, in one frame, with no event and no
+/// exact stop between them.
+std::size_t moves_along_curve(const program::Program& program, std::size_t first);
 
 /// Makes a move follow a part of a curve that the program has already.
 void follow_curve(program::Program& program, program::Move& move, const program::CurvePart& part);

@@ -1,17 +1,21 @@
 #pragma once
 
+#include <memory>
 #include <string_view>
 
 #include "trunnion/nc/read.hpp"
 
+#include "detail/block_reader.hpp"
+
 namespace trunnion::nc {
 
-/// One reader per dialect. The text has no byte-order mark, no NUL and is shorter than 2 GB.
-Result<program::Program> read_apt(std::string_view text, std::string_view file_name, const ReadOptions& options);
-Result<program::Program> read_sinumerik(std::string_view text, std::string_view file_name, const ReadOptions& options);
-Result<program::Program> read_rs274(std::string_view text, std::string_view file_name, const ReadOptions& options);
-Result<program::Program> read_heidenhain(std::string_view text, std::string_view file_name, const ReadOptions& options);
-Result<program::Program> read_fanuc(std::string_view text, std::string_view file_name, const ReadOptions& options);
+/// One reader per dialect. The text has no byte-order mark; it and the options outlive the reader.
+using OpenReader = Result<std::unique_ptr<BlockReader>>(const ProgramText& text, std::string_view file_name,
+                                                        const ReadOptions& options);
+OpenReader open_apt, open_rs274, open_sinumerik, open_heidenhain, open_fanuc;
+
+/// recognise() for a text of which lines are taken as they come.
+Result<Dialect> recognise_lines(const ProgramText& text);
 
 /// Whether APT data knows this major word (capitals), be it to use, ignore or refuse it.
 bool is_apt_word(std::string_view major) noexcept;

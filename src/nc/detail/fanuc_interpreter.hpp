@@ -28,8 +28,8 @@ class Interpreter {
   public:
     enum class Step : std::uint8_t { block, end, refused };
 
-    Interpreter(std::string_view text, std::string_view file_name, Findings& findings, const ControlParameters& control,
-                const Limits& limits);
+    Interpreter(const ProgramText& text, std::string_view file_name, Findings& findings,
+                const ControlParameters& control, const Limits& limits);
 
     Step next(Block& block);
     /// Behind a block that moved: the macro of G66 follows.
@@ -40,6 +40,9 @@ class Interpreter {
     const std::string& program_name() const { return name_; }
     /// Whether code stands behind the block that was handed over last, which ended the program.
     bool code_is_left() const;
+    const ProgramText& text() const { return main_.text(); }
+    /// Where the next block of the text that is read starts.
+    std::size_t position() const { return running_.front().at.offset; }
 
   private:
     enum class Outcome : std::uint8_t { block, nothing, section_end, refused };

@@ -125,11 +125,18 @@ struct NurbsInProgress {
 /// Carries out the blocks that the interpreter hands over. fanuc_reader.cpp: words, modes, tools; fanuc_motion.cpp:
 /// where a block goes, how fast, and which poses are kept; fanuc_frames.cpp: shifts, rotations, tilted planes;
 /// fanuc_cycles.cpp: drilling; fanuc_nurbs.cpp: curves.
-class FanucReader final : private ControlParameters {
+class FanucReader final : public BlockReader, private ControlParameters {
   public:
-    FanucReader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control);
+    FanucReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options, Control control);
 
-    Result<program::Program> read();
+    Step read_block() override;
+    bool finish() override;
+    int line() const override { return block_.line; }
+    const ProgramText& text() const override { return interpreter_.text(); }
+    std::size_t position() const override { return interpreter_.position(); }
+    bool waits() const override { return nurbs_.has_value(); }
+    char rotary_letter(std::size_t axis) const override { return control_.rotary_letter(axis); }
+    bool is_said(std::size_t axis) const override { return (rotary_ever_ & (1u << axis)) != 0; }
 
   private:
     // words
@@ -179,9 +186,7 @@ class FanucReader final : private ControlParameters {
     program::Move move_to(const Eigen::Vector3d& position_mm, program::MoveKind kind) const;
     void add(const program::Move& move);
     Spot spot_of_motion() const;
-    Result<program::Program> done();
     bool never_started();
-    void keep_used_letters();
     void tell_assumptions();
 
     // frames
@@ -250,11 +255,8 @@ class FanucReader final : private ControlParameters {
         return modes_.own_tcp || modes_.length == Meaning::tcp_rotary || modes_.length == Meaning::tcp_vector;
     }
 
-    Findings findings_;
-    const ReadOptions& options_;
     Control control_;
     Interpreter interpreter_;
-    program::Program program_;
     Block block_;
     Modes modes_;
     UnitStatement stated_;

@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
+#include <utility>
 #include <vector>
+
+#include "detail/program_text.hpp"
 
 namespace trunnion::nc::fanuc {
 
@@ -23,7 +25,7 @@ struct Beginning {
     Place place;
     bool behind_header = false;  ///< lines that are neither code nor comments were passed over
 };
-Beginning beginning_of(std::string_view text);
+Beginning beginning_of(const ProgramText& text);
 
 /// Whether a line, without blanks around it, begins like a block: a word, a variable, a statement.
 bool begins_like_code(std::string_view line);
@@ -39,32 +41,33 @@ struct Section {
 class Source {
   public:
     /// `text` outlives it. `file`: empty for the text that is read.
-    Source(std::string_view text, std::string file = {});
+    explicit Source(const ProgramText& text, std::string file = {});
     static std::unique_ptr<Source> keeping(std::string file, std::string text);
 
-    std::string_view text() const { return text_; }
+    const ProgramText& text() const { return text_; }
     std::string_view file() const { return file_; }
     const Beginning& beginning() const { return beginning_; }
-    /// The first program, with what stands before its title.
-    const Section& main_section();
+    /// The first program, with what stands before its title; where it ends is not looked for.
+    Section main_section();
+    /// Where a program ends that begins there.
+    std::size_t end_of(const Section& section);
     const Section* section(int number);
     /// The blocks `N number` of a program, in order.
     const std::vector<Place>& labels(const Section& section, int number);
     /// The whole line at a place, without its end.
-    std::string_view line_at(const Place& place) const;
+    std::string_view line_at(const Place& place);
     /// The line behind that one; its offset is text().size() at the end.
-    Place line_behind(const Place& place) const;
+    Place line_behind(const Place& place);
 
   private:
-    using Labels = std::unordered_map<int, std::vector<Place>>;
-
     void cut_sections();
 
     std::string kept_, file_;
-    std::string_view text_;
+    ProgramText text_;
     Beginning beginning_;
     std::vector<Section> sections_;
-    std::map<std::size_t, Labels> labels_;  ///< by where the section begins
+    /// By where the section begins, and the number: those that were asked for.
+    std::map<std::pair<std::size_t, int>, std::vector<Place>> labels_;
 };
 
 /// `O123` or `:123` at the start of a line; what follows is left in `line`.

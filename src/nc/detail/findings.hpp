@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,11 +36,13 @@ class Findings {
         return false;
     }
 
-    /// `times` more of `word` under `code`; the first one sets place and text. Allocates at the first one only.
+    /// `times` more of `word` under `code`; the first one sets place and text. Allocates at the first one only. Where
+    /// very many words are told of, those to come count with the first one of their code.
     void count(std::string_view code, Severity severity, Spot spot, std::string_view word, std::string_view text,
                std::string_view hint = {}, int times = 1) {
         for (Diagnostic& notice : notices_)
-            if (notice.code == code && notice.value == word) return void(notice.count += times);
+            if (notice.code == code && (notice.value == word || notices_.size() >= most_notices))
+                return void(notice.count += times);
         notices_.push_back(diagnostic(code, severity, spot, std::string(text), word, hint));
         notices_.back().count = times;
     }
@@ -52,6 +55,8 @@ class Findings {
     std::vector<Diagnostic> take_notices() { return std::move(notices_); }
 
   private:
+    static constexpr std::size_t most_notices = 1000;
+
     Place place(Spot spot) const {
         return {.file = spot.file.empty() ? file_ : std::string(spot.file), .line = spot.line, .column = spot.column};
     }

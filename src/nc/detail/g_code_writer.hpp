@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "detail/arcs.hpp"
 #include "detail/program_writer.hpp"
@@ -22,7 +23,9 @@ class GCodeWriter : public ProgramWriter {
 
     GCodeWriter(const program::Program& program, const machine::Machine* machine, const WriteOptions& options,
                 const TextSink& sink, const Habits& habits)
-        : ProgramWriter(program, machine, options, sink), habits_(habits) {}
+        : ProgramWriter(program, machine, options, sink),
+          habits_(habits),
+          said_following_(program.following_letters.size()) {}
 
     bool straight(const Move& to) override;
     bool arc(const Move& to) override;
@@ -52,7 +55,16 @@ class GCodeWriter : public ProgramWriter {
     void motion_word(int code);
     void linear_words();
     void rotary_words();
+    /// E where it changes, from where the text has counted it or from 0, as the program did.
+    void following_words();
+    bool says_following() const;
+    std::int64_t following_steps(std::size_t i) const;
+    /// A block in which the following axes go alone, a word of their counting (M82, M83), or G92 of theirs.
+    bool following_event(const program::Event& event) override;
+    bool count_following(std::string_view words);
+    bool follow_alone(const program::Event& event);
     void feed_words(const Move& to, bool on_arc);
+    void put_feed(const FeedWord& feed);
     void set_plane(int normal_axis);
     /// X, Y, Z that the arc turns about, with its sense as seen against it, −1: none.
     static int plane_of(const program::Arc& arc);
@@ -65,6 +77,13 @@ class GCodeWriter : public ProgramWriter {
     int plane_ = 2;
     bool inverse_time_ = false;
     double feed_ = 0;  ///< as F said it
+    /// What the text has said of a following axis, in steps, and the total at which it counts 0, in the text's unit.
+    struct SaidFollowing {
+        std::int64_t steps = 0;
+        double origin = 0;
+    };
+    std::vector<SaidFollowing> said_following_;
+    bool follows_incrementally_ = false;
     std::int64_t number_ = 0;
 };
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <cstddef>
-#include <string>
+#include <cstdint>
+#include <functional>
+#include <span>
 #include <string_view>
 
 #include "trunnion/base/result.hpp"
@@ -13,8 +14,14 @@ constexpr bool is_gzip(std::string_view bytes) {
     return bytes.starts_with("\x1f\x8b");
 }
 
-/// What a gzip archive holds, of one or of several members. Errors: NC0008 more than `most` bytes come out, however
-/// small the archive is; NC0009 damaged or cut off. Cost: about 3 ns a byte; the memory of the text.
-Result<std::string> inflated(std::string_view archive, std::size_t most);
+/// Fills in the bytes that follow, and says how many; 0 at the end.
+using ByteSource = std::function<std::size_t(std::span<char>)>;
+/// Takes bytes; false where it cannot keep them.
+using ByteSink = std::function<bool(std::string_view)>;
+
+/// What a gzip archive holds, of one or of several members, in pieces of up to 256 KB. Says whether `sink` took all.
+/// Errors: NC0008 more than `most` bytes come out, however small the archive is; NC0009 damaged or cut off. Cost: about
+/// 3 ns a byte; half a MB of memory.
+Result<bool> inflate_archive(const ByteSource& archive, std::uint64_t most, const ByteSink& sink);
 
 }  // namespace trunnion::nc

@@ -21,7 +21,7 @@ namespace trunnion::nc::heidenhain {
 /// the text are counted. `text` must outlive the interpreter. Errors, through `findings`: NC0731 … NC0749.
 class Interpreter {
   public:
-    Interpreter(std::string_view text, std::string_view file_name, Findings& findings,
+    Interpreter(const ProgramText& text, std::string_view file_name, Findings& findings,
                 std::int64_t most_repeated_lines);
 
     enum class Step : std::uint8_t { block, end, refused };
@@ -35,6 +35,9 @@ class Interpreter {
     /// The unit that BEGIN PGM of the program says that is being carried out.
     bool inch() const { return frames_.back().inch; }
     bool in_main_program() const;
+    const ProgramText& text() const { return main_.text(); }
+    /// Where the next line of the text that is read starts.
+    std::size_t position() const { return frames_.front().place.offset; }
 
   private:
     enum class Outcome : std::uint8_t { block, done, ended, refused };
@@ -53,6 +56,7 @@ class Interpreter {
         std::vector<Repetition> repetitions{};
     };
 
+    bool count_block();
     Outcome carry_out();
     Outcome begin_program();
     Outcome end_program();
@@ -80,6 +84,7 @@ class Interpreter {
     Cursor cursor_;
     Values values_;
     std::vector<Frame> frames_;
+    std::size_t furthest_ = 0;  ///< behind the lines of the main program that were carried out
     std::int64_t blocks_left_;
 };
 

@@ -139,12 +139,19 @@ enum class Positioning : std::uint8_t { stay, move, turn };
 
 /// Carries out the blocks that the interpreter hands over. heidenhain_reader.cpp: words, modes, tools;
 /// heidenhain_motion.cpp: where a block goes, how fast, which poses are kept; heidenhain_circles.cpp: circles, polar
-/// coordinates, corners; heidenhain_frames.cpp: datum, cycles 7 … 26, PLANE; heidenhain_cycles.cpp: drilling.
-class HeidenhainReader {
+/// coordinates, corners; heidenhain_frames.cpp: datum, cycles 7 … 26, PLANE; heidenhain_cycles.cpp: definitions and
+/// calls of cycles; heidenhain_drilling.cpp: drilling.
+class HeidenhainReader final : public BlockReader {
   public:
-    HeidenhainReader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control);
+    HeidenhainReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options, Control control);
 
-    Result<program::Program> read();
+    Step read_block() override;
+    bool finish() override;
+    int line() const override { return interpreter_.line(); }
+    const ProgramText& text() const override { return interpreter_.text(); }
+    std::size_t position() const override { return interpreter_.position(); }
+    char rotary_letter(std::size_t axis) const override { return control_.rotary_letter(axis); }
+    bool is_said(std::size_t axis) const override { return (rotary_ever_ & (1u << axis)) != 0; }
 
   private:
     // blocks and words
@@ -215,9 +222,7 @@ class HeidenhainReader {
     bool says_call() const;
     std::int32_t add_arc(const program::Arc& arc);
     Spot spot_of_motion() { return cursor().spot(first_word_); }
-    Result<program::Program> done();
     bool never_started();
-    void keep_used_letters();
     void tell_assumptions();
 
     // circles and corners
@@ -290,11 +295,8 @@ class HeidenhainReader {
     /// F of a program in inches counts in tenths of an inch.
     double feed_unit_mm() const { return inch() ? inch_mm / 10 : 1; }
 
-    Findings findings_;
     Interpreter interpreter_;
-    const ReadOptions& options_;
     Control control_;
-    program::Program program_;
     Modes modes_;
     UnitStatement stated_;
     std::uint16_t tool_ = 0;  ///< in Program::tools

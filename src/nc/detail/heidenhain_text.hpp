@@ -49,25 +49,24 @@ class Statement {
 class Source {
   public:
     /// `file` is empty for the text that is read; `text` must outlive the source.
-    Source(std::string file, std::string_view text) : file_(std::move(file)), text_(text) {}
+    Source(std::string file, const ProgramText& text) : file_(std::move(file)), text_(text) {}
     /// Keeps the text itself.
     static std::unique_ptr<Source> keeping(std::string file, std::string text);
 
     enum class Taken : std::uint8_t { statement, end, too_long };
     /// The next block that says something; `place` moves on behind it.
-    Taken next(LinePlace& place, Statement& statement) const;
+    Taken next(LinePlace& place, Statement& statement);
 
     enum class Found : std::uint8_t { once, nowhere, twice };
     /// `name` as label_name() writes it; `place` comes to lie behind the line of the label.
     Found label(std::string_view name, LinePlace& place);
 
     std::string_view file() const { return file_; }
-    /// Lines of the whole text.
-    std::int64_t lines() const;
+    const ProgramText& text() const { return text_; }
 
   private:
-    std::string_view take_line(LinePlace& place) const;
-    bool join(LinePlace& place, Statement& statement) const;
+    std::string_view take_line(LinePlace& place);
+    bool join(LinePlace& place, Statement& statement);
     void index_labels();
 
     struct Label {
@@ -75,7 +74,7 @@ class Source {
         bool twice = false;
     };
     std::string file_, kept_;
-    std::string_view text_;
+    ProgramText text_;
     bool indexed_ = false;
     std::map<std::string, Label, std::less<>> labels_;
 };

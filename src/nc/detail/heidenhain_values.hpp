@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,9 @@ class Parameters {
     std::vector<std::map<int, double>> locals_;
 };
 
+/// FMAX as the value of a parameter.
+inline constexpr double rapid_feed = std::numeric_limits<double>::infinity();
+
 /// Values at the cursor. Errors, through `findings`: NC0731 … NC0736; functions that return bool then say false.
 class Values {
   public:
@@ -50,7 +54,11 @@ class Values {
     bool rotary_value(double& value, int& position);
     /// What stands behind `=`: numbers, parameters, + - * / % ^, brackets, functions. Angles are in degrees.
     bool formula(double& value);
-    /// Qn = formula, at its Q.
+    /// A formula, or the feed of a cycle: FMAX, or FAUTO for that of TOOL CALL.
+    bool feed_or_formula(double& value);
+    /// What FAUTO stands for from here on, as F says it; NaN: not set.
+    void set_automatic_feed(double feed) { automatic_feed_ = feed; }
+    /// Qn = formula or feed, at its Q.
     bool assignment();
     /// Qn at the cursor; false where none stands there.
     bool parameter_name(ParameterName& name);
@@ -75,6 +83,7 @@ class Values {
     Cursor* cursor_;
     Findings* findings_;
     Parameters parameters_;
+    double automatic_feed_ = std::numeric_limits<double>::quiet_NaN();
     int depth_ = 0;
 };
 

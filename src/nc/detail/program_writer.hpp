@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -50,6 +51,10 @@ class ProgramWriter {
     /// An event of a program of this dialect, as it stands there; false: it takes more than the word.
     virtual bool own_word(const program::Event& event) = 0;
     virtual void path_control(const program::PathControl&) {}
+    /// Whether the dialect has axes that go along: Program::following_letters.
+    virtual bool takes_following() const { return false; }
+    /// The following axes go to following_mm_ while the path stands, or their counting changes; false: another event.
+    virtual bool following_event(const program::Event&) { return false; }
     virtual void comment(std::string_view text) = 0;
 
     bool refuse(std::string_view code, std::string text, std::string_view value = {}, std::string_view hint = {}) {
@@ -108,7 +113,9 @@ class ProgramWriter {
     TextWriter out_;
     Findings findings_;
     Goal goal_, said_;
-    DecimalGrid linear_grid_, rotary_grid_, vector_grid_;
+    static constexpr double finer_share = 0.01;  ///< of the precision: centres of arcs and following axes
+    DecimalGrid linear_grid_, rotary_grid_, vector_grid_, following_grid_;
+    std::vector<double> following_mm_;  ///< where the following axes are to be: running totals
     std::int32_t line_ = 0;
     std::size_t index_ = 0;  ///< of the move in work
     Move last_;              ///< the last one that was written
@@ -118,11 +125,16 @@ class ProgramWriter {
     bool events_before(std::size_t move);
     bool write_event(const program::Event& event);
     bool write_move(std::size_t index);
+    bool write_whole(const Move& to);
+    /// Makes following_mm_ of a share of the move in work. Errors: NC0904.
+    bool follow(double share);
+    bool holds_following();
     bool write_straight(const Move& to);
     std::optional<double> length_mm(const Move& to) const;
     std::optional<double> turn_rad(const Move& to) const;
     FeedWord as_speed_or_time(const Move& to, double time_s, bool turns_only, bool has_inverse_time, double turn_mm);
 
+    std::vector<double> followed_mm_;  ///< where the following axes were before the move in work
     double unit_mm_ = 1;
     std::size_t event_ = 0, path_control_ = 0, curve_end_ = 0;
     bool ended_ = false;

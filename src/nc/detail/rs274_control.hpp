@@ -18,7 +18,7 @@ class Control {
     enum class Role : std::uint8_t { none, tcp_on, tcp_off, ignore };
 
     /// Without a machine: X, Y, Z and no own words. Errors: NC0007 a declared word is no letter with a number (or, for
-    /// those that are ignored, a letter).
+    /// those that are ignored, a letter), or a following letter is an axis of the machine or has a meaning of its own.
     static Result<Control> make(const machine::Machine* machine);
 
     Letter kind(std::size_t letter) const { return kind_[letter]; }
@@ -31,6 +31,7 @@ class Control {
     }
     bool has_machine() const { return has_machine_; }
     std::uint32_t axis_letters() const { return axis_letters_; }
+    std::uint32_t following_letters() const { return following_letters_; }
     char rotary_letter(std::size_t axis) const { return rotary_letters_[axis]; }
 
   private:
@@ -39,14 +40,14 @@ class Control {
         Role role;
     };
     bool declare(const std::vector<std::string>& words, Role role);
-    bool declare_letters(const std::vector<std::string>& words);
+    Result<void> declare_following(const machine::Machine& machine);
     void set_letter(char letter, Letter kind, std::size_t axis);
 
     std::array<Letter, 26> kind_{};
     std::array<std::uint8_t, 26> axis_{};
     std::array<char, machine::max_axes> rotary_letters_{};
     std::vector<OwnWord> own_words_;
-    std::uint32_t axis_letters_ = 0;
+    std::uint32_t axis_letters_ = 0, following_letters_ = 0;
     bool has_machine_ = false;
 };
 

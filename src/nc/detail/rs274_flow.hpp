@@ -49,7 +49,7 @@ struct FlowLine {
 class FlowIndex {
   public:
     /// Errors: NC0331 an O word that is none, NC0332 structures that do not fit.
-    static std::optional<FlowIndex> make(std::string_view text, std::string_view file, Findings& findings);
+    static std::optional<FlowIndex> make(const ProgramText& text, std::string_view file, Findings& findings);
 
     const std::vector<FlowLine>& lines() const { return lines_; }
     /// By where its line starts; the lines that are asked for have an O word.
@@ -72,7 +72,7 @@ class Rs274Flow {
     static constexpr std::size_t most_calls = 10;  ///< within each other, as on LinuxCNC
 
     /// `text` must outlive the flow. `most_repeated_lines`: carried out again or in subprograms.
-    Rs274Flow(std::string_view text, std::string_view file_name, const ControlParameters& control, Findings& findings,
+    Rs274Flow(const ProgramText& text, std::string_view file_name, const ControlParameters& control, Findings& findings,
               std::int64_t most_repeated_lines);
 
     enum class Step : std::uint8_t { block, end, refused };
@@ -88,12 +88,15 @@ class Rs274Flow {
     bool has_subprograms() const;
     /// What is left of the text that is read; empty within a subprogram.
     std::string_view rest() const;
+    const ProgramText& text() const { return main_.text; }
+    /// Where the next line of the text that is read starts.
+    std::size_t position() const { return frames_.front().next; }
 
   private:
     struct Source {
         std::string file{};  ///< empty: the text that is read
         std::string kept{};
-        std::string_view text{};
+        ProgramText text{std::string_view{}};
         std::optional<FlowIndex> index{};
     };
     /// A running program.

@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
@@ -40,6 +39,7 @@ struct Frame {
 struct WordShift {
     Eigen::Vector3d mm = Eigen::Vector3d::Zero();
     RotaryWords rad{};
+    std::array<double, 26> following_mm{};  ///< by letter; G92 alone, whatever the frame
 };
 
 /// Which feed F is.
@@ -50,6 +50,7 @@ struct Modal {
     Meaning motion = Meaning::no_motion;
     Code motion_code;
     bool absolute = true, centre_absolute = false, exact_stop = false, tcp = true;
+    std::optional<bool> following_absolute;  ///< by M82, M83; not said: as `absolute`
     FeedMode feed_mode = FeedMode::per_minute;
     std::optional<Meaning> retract;  ///< of cycles: to where they began, or to R; not said: to R
     int plane_normal = 2;            ///< of X, Y, Z
@@ -69,6 +70,14 @@ struct Modal {
 struct CycleWords {
     int tenths = 0;  ///< of its G word; 0: none
     double retract_mm = 0, depth_mm = 0, step_mm = 0, dwell_s = 0;
+};
+
+/// Where a canned cycle turns round, as coordinates along its axis.
+struct CycleLevels {
+    double start_mm = 0;                  ///< where the tool was before it
+    double retract_mm = 0, depth_mm = 0;  ///< R and the bottom
+    double across_mm = 0;                 ///< on the way to the first hole
+    double clear_mm = 0;                  ///< to where it comes out
 };
 
 /// What M70 and M73 keep.
@@ -106,27 +115,30 @@ inline std::string name_of(const Code& code) {
 
 /// Carries out the blocks of a G-code program. rs274.cpp: words and modes; rs274_letters.cpp: which letters a block may
 /// have; rs274_motion.cpp: where a block goes, how fast, and which poses are kept; rs274_arc.cpp: circles;
-/// rs274_curve.cpp: G5 to G5.3; rs274_cycles.cpp: drilling; rs274_shift.cpp: G10, G28, G52, G92; rs274_parameters.cpp:
-/// what the program may ask about its own state.
-class Rs274Reader : private ControlParameters {
+/// rs274_curve.cpp: G5 to G5.3; rs274_cycles.cpp: drilling; rs274_following.cpp: axes that go along; rs274_shift.cpp:
+/// G10, G28, G52, G92; rs274_parameters.cpp: what the program may ask about its own state.
+class Rs274Reader final : public BlockReader, private ControlParameters {
   public:
-    Rs274Reader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control)
-        : findings_(file_name),
+    Rs274Reader(const ProgramText& text, std::string_view file_name, const ReadOptions& options, Control control)
+        : BlockReader(file_name, options, Dialect::rs274),
           flow_(text, file_name, *this, findings_, options.most_repeated_lines),
-          options_(options),
           control_(std::move(control)) {
-        program_.source = file_name;
-        program_.name = std::filesystem::path(file_name).stem().string();
-        program_.dialect = nc::name_of(Dialect::rs274);
         program_.offsets.emplace_back("G54");  // in force when a program starts
-        program_.moves.reserve(text.size() / 64 + 1);
         modal_.offset = 1;
         modal_.unit_mm = options.units == Units::inch ? inch_mm : 1;
         position_mm_.setConstant(unknown_word);
         rotary_rad_.fill(unknown_word);
     }
 
-    Result<program::Program> read();
+    Step read_block() override;
+    bool finish() override;
+    int line() const override { return block_.program_line; }
+    const ProgramText& text() const override { return flow_.text(); }
+    std::size_t position() const override { return flow_.position(); }
+    bool waits() const override { return nurbs_.has_value(); }
+    void leave_out_start() override { drop_undetermined(); }
+    char rotary_letter(std::size_t axis) const override { return control_.rotary_letter(axis); }
+    bool is_said(std::size_t axis) const override { return !std::isnan(rotary_rad_[axis]); }
 
   private:
     // words and modes
@@ -156,11 +168,14 @@ class Rs274Reader : private ControlParameters {
     bool motion_word();
     bool subprogram();
     void stops();
-    Result<program::Program> done();
 
     // letters
     bool check_letters();
     bool check_letter(char letter);
+    bool check_following(char letter);
+    void take_parameters_of_user_word();
+    void user_word();
+    std::string with_letters(const Code& code, std::uint32_t letters) const;
     bool uses(char letter) const;
     bool absent_axis(char letter);
 
@@ -168,6 +183,7 @@ class Rs274Reader : private ControlParameters {
     Meaning motion_in_force() const;
     bool moves_on_arc() const;
     bool motion();
+    bool move_along_path();
     bool move_to_target(bool on_arc);
     void enter(const Frame& frame);
     Frame frame_in_force() const;
@@ -182,7 +198,6 @@ class Rs274Reader : private ControlParameters {
     bool add(program::Move& move);
     bool never_started();
     void drop_undetermined();
-    void keep_used_letters();
 
     // curves
     bool curve();
@@ -196,13 +211,28 @@ class Rs274Reader : private ControlParameters {
 
     // cycles
     bool cycle();
+    bool cycle_can_run();
     bool cycle_words(CycleWords& words);
-    bool bore(const CycleWords& words, double retract_mm, double depth_mm, double clear_mm);
+    bool cycle_levels(const CycleWords& words, CycleLevels& levels);
+    bool cycle_times(const CycleWords& words, const CycleLevels& levels, double& times);
+    bool bore_in_a_row(const CycleWords& words, const CycleLevels& levels, const Eigen::Vector3d& first_mm,
+                       double times);
+    bool bore(const CycleWords& words, const CycleLevels& levels);
     bool peck(const CycleWords& words, double retract_mm, double depth_mm);
     bool tap(const CycleWords& words, double depth_mm, double clear_mm);
     bool cycle_move(double along_mm, program::MoveKind kind);
     bool cycle_move_across(const Eigen::Vector3d& place_mm);
     void cycle_dwell(double seconds);
+
+    // following axes
+    void following_distance();
+    bool follow_words();
+    bool stand_while_following();
+    bool time_of_following(double way_mm, double& time_s);
+    void start_following(char letter);
+    void add_following_row();
+    bool shift_following_to_here();
+    void tell_following_shift(const std::array<double, 26>& before_mm);
 
     // shifts and offsets
     bool shift();
@@ -214,6 +244,8 @@ class Rs274Reader : private ControlParameters {
 
     ControlParameters::Answer read(const ParameterReference& parameter, ParameterValue& value) const override;
     Answer position_parameter(std::size_t axis, ParameterValue& value) const;
+    Answer numbered_parameter(int number, ParameterValue& value) const;
+    Answer named_parameter(std::string_view name, ParameterValue& value) const;
 
     void event(program::EventKind kind, bool stops, std::string word, double dwell_s = 0) {
         program_.events.push_back({kind, stops, dwell_s, std::move(word), program_.moves.size(), block_.program_line});
@@ -233,22 +265,23 @@ class Rs274Reader : private ControlParameters {
         return block_.at(letters == 0 ? 1 : block_.column[static_cast<std::size_t>(std::countr_zero(letters))]);
     }
 
-    Findings findings_;
     Rs274Flow flow_;
-    const ReadOptions& options_;
     Control control_;
-    program::Program program_;
     Block block_;
     Request request_;
     Modal modal_;
     UnitStatement stated_;
     std::uint32_t axes_ = 0;  ///< axis letters of the block
     std::uint32_t axes_ever_ = 0;
+    std::uint32_t follows_ = 0;          ///< following letters of the block
+    std::uint32_t user_parameters_ = 0;  ///< letters that belong to a user's word of the block
     Frame frame_;
     Eigen::Vector3d position_mm_;  ///< in frame_, without word_shift_; unknown until said
     RotaryWords rotary_rad_;       ///< by the machine's rotary axes; unknown until said
     WordShift word_shift_;         ///< in frame_
     WordShift g92_, kept_g92_;
+    std::array<double, 26> following_mm_{};             ///< by letter: where following axes are, running totals
+    std::array<double, 26> following_way_mm_{};         ///< by letter: how far the block takes those that it says
     std::map<std::uint16_t, WordShift> offset_shifts_;  ///< of G10 L20, by the index of the offset
     std::vector<KeptState> kept_states_;
     CycleWords cycle_;

@@ -11,6 +11,7 @@ enum class Group : std::uint8_t {
     motion,
     plane,
     distance,
+    following_distance,
     arc_distance,
     feed_mode,
     units,
@@ -56,6 +57,8 @@ enum class Meaning : std::uint8_t {
     plane,
     absolute,
     incremental,
+    absolute_following,
+    incremental_following,
     absolute_centre,
     incremental_centre,
     tool_length,
@@ -107,6 +110,12 @@ struct WordRule {
     Meaning meaning = Meaning::unknown;
     Group group = Group::once;
 };
+
+/// Of M100 to M199, which are the user's on LinuxCNC: those that printers go on at, as they set a heater or a fan.
+constexpr bool sets_printer(const Code& code) {
+    return code.tenths == 1040 || code.tenths == 1060 || code.tenths == 1070 || code.tenths == 1400 ||
+           code.tenths == 1410;
+}
 
 /// What a G or M word means on LinuxCNC. Cost: one look into a table.
 WordRule rule_for(const Code& code) noexcept;

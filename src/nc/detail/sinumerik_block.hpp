@@ -28,7 +28,7 @@ struct Argument {
 
 /// One word with its value worked out.
 struct Word {
-    /// In capitals, valid as long as the interpreter: the address letter (`G1` is G with value 1, `A3` is A with 3), an
+    /// In capitals, valid until the next block is taken: the address letter (`G1` is G with value 1, `A3` is A with 3), an
     /// address with its digits where `=` follows (`A3=1` is A3, `I1=2` is I1; but M, S, H, T and D keep their number
     /// in `extension`), an address of several letters (CR, TURN) or a word of the control (TRAORI, CYCLE832).
     std::string_view name;

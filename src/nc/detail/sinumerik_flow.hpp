@@ -2,8 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <set>
+#include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace trunnion::nc::sinumerik {
@@ -41,9 +45,11 @@ struct Target {
 /// The labels, block numbers and control structures of one section.
 class FlowIndex {
   public:
-    /// Block numbers are left out unless a jump wants one: programs have many of them.
-    explicit FlowIndex(bool with_block_numbers) : with_block_numbers_(with_block_numbers) {}
-    bool has_block_numbers() const { return with_block_numbers_; }
+    using BlockNumbers = std::set<std::string, std::less<>>;
+
+    /// Of block numbers only those that jumps have asked for: long programs have one in every line.
+    explicit FlowIndex(BlockNumbers block_numbers) : block_numbers_(std::move(block_numbers)) {}
+    const BlockNumbers& block_numbers() const { return block_numbers_; }
 
     /// One pass over the section. False where structures do not fit (NC0522).
     bool build(const Source& source, const Section& section, Cursor& cursor);
@@ -66,11 +72,11 @@ class FlowIndex {
     bool close(Structure::Kind kind, const LineMark& mark, Cursor& cursor, int column, std::string_view word);
     bool divide(const LineMark& mark, Cursor& cursor, int column);
 
-    bool with_block_numbers_;
+    BlockNumbers block_numbers_;
     std::vector<Structure> structures_;
     std::vector<int> open_;
     std::unordered_map<std::size_t, int> by_line_;
-    std::unordered_map<std::string_view, std::vector<Target>> targets_;
+    std::map<std::string, std::vector<Target>, std::less<>> targets_;
 };
 
 }  // namespace trunnion::nc::sinumerik

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string_view>
 
+#include "detail/program_text.hpp"
 #include "detail/sinumerik_block.hpp"
 
 namespace trunnion::nc::sinumerik {
@@ -41,7 +42,7 @@ struct Limits {
 /// following.
 class Interpreter {
   public:
-    Interpreter(std::string_view text, std::string_view file_name, Findings& findings,
+    Interpreter(const ProgramText& text, std::string_view file_name, Findings& findings,
                 bool (*is_word)(std::string_view), const Limits& limits = {});
     ~Interpreter();
     Interpreter(const Interpreter&) = delete;
@@ -51,6 +52,9 @@ class Interpreter {
 
     /// The next line that has words. After `end` or `refused` it must not be called again.
     Step next(Block& block);
+    const ProgramText& text() const;
+    /// Where the next line of the text that is read starts.
+    std::size_t position() const;
 
   private:
     class Machinery;

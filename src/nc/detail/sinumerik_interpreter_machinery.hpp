@@ -20,10 +20,12 @@ namespace trunnion::nc::sinumerik {
 /// Reads one line after the other and carries it out. Functions that return bool say false when they have refused.
 class Interpreter::Machinery {
   public:
-    Machinery(std::string_view text, std::string_view file_name, Findings& findings, bool (*is_word)(std::string_view),
-              const Limits& limits);
+    Machinery(const ProgramText& text, std::string_view file_name, Findings& findings,
+              bool (*is_word)(std::string_view), const Limits& limits);
 
     Step next(Block& block);
+    const ProgramText& text() const { return main_.text(); }
+    std::size_t position() const { return frames_.front().next.offset; }
 
   private:
     struct Program {
@@ -70,6 +72,7 @@ class Interpreter::Machinery {
     bool extended_word(Block& block, int column, std::string_view letter, std::string_view digits);
     bool named_word(Block& block, int column);
     bool control_word(Block& block, int column, std::string_view name);
+    std::optional<double> number_alone();
     bool value_of(Word& word);
     bool index_of(Word& word);
     Word* add_word(Block& block, std::string_view name, int column);
@@ -88,7 +91,7 @@ class Interpreter::Machinery {
     void release(Frame& frame);
 
     // jumps and control structures
-    bool flow(FlowIndex*& index, bool with_block_numbers);
+    bool flow(FlowIndex*& index, std::string_view block_number = {});
     bool structure(int column, const Structure*& found);
     void go_to(const LinePlace& place);
     bool jump(std::string_view name, FlowIndex::Direction direction, bool if_there, int column);
@@ -149,8 +152,9 @@ class Interpreter::Machinery {
     Expressions expressions_;
     std::deque<Frame> frames_;
 
-    LinePlace furthest_;         ///< behind the last line of the main program that was carried out
-    LineMark here_;              ///< the line that is carried out
+    LinePlace furthest_;  ///< behind the last line of the main program that was carried out
+    LineMark here_;       ///< the line that is carried out
+    CapitalLine line_;
     bool first_ = true;          ///< nothing but number and label stood before in it
     bool line_done_ = false;     ///< the rest of it is not read
     bool opens_program_ = true;  ///< it is the first line of its program that says something

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -95,10 +94,10 @@ struct Modes {
 struct ToolInUse {
     std::string name;
     std::optional<std::string> prepared;
-    int prepared_edge = 1;         ///< D in the block of T
-    bool changed_by_m6 = false;    ///< else T itself changes
-    std::uint16_t index = 0;       ///< in Program::tools: whose length counts
-    std::uint16_t in_spindle = 0;  ///< in Program::tools: what hangs in the spindle, D0 or not
+    int prepared_edge = 1;              ///< D in the block of T
+    std::optional<bool> changed_by_m6;  ///< else T itself changes; empty: not looked for yet
+    std::uint16_t index = 0;            ///< in Program::tools: whose length counts
+    std::uint16_t in_spindle = 0;       ///< in Program::tools: what hangs in the spindle, D0 or not
 };
 
 /// In what the linear words count; positions of machine axes depend on neither offset nor tool, which are 0 then.
@@ -152,12 +151,20 @@ struct PolynomialBlock {
 
 /// Carries out the blocks that the interpreter hands over. sinumerik_reader.cpp: words, modes, tools;
 /// sinumerik_motion.cpp: where a block goes, how fast, and which poses are kept; sinumerik_curves.cpp: BSPLINE and
-/// POLY; sinumerik_orientation.cpp: rotary words, vectors, frames, CYCLE800; sinumerik_cycles.cpp: drilling.
-class SinumerikReader {
+/// ORICURVE; sinumerik_polynomials.cpp: POLY; sinumerik_orientation.cpp: rotary words, vectors, frames, CYCLE800;
+/// sinumerik_cycles.cpp: drilling.
+class SinumerikReader final : public BlockReader {
   public:
-    SinumerikReader(std::string_view text, std::string_view file_name, const ReadOptions& options, Control control);
+    SinumerikReader(const ProgramText& text, std::string_view file_name, const ReadOptions& options, Control control);
 
-    Result<program::Program> read();
+    Step read_block() override;
+    bool finish() override;
+    int line() const override { return block_.line; }
+    const ProgramText& text() const override { return interpreter_.text(); }
+    std::size_t position() const override { return interpreter_.position(); }
+    bool waits() const override { return spline_.has_value(); }
+    char rotary_letter(std::size_t axis) const override { return control_.rotary_letter(axis); }
+    bool is_said(std::size_t axis) const override { return (rotary_ever_ & (1u << axis)) != 0; }
 
   private:
     // words
@@ -180,6 +187,7 @@ class SinumerikReader {
     bool select_offset(const Word& word);
     bool tool_words();
     bool select_tool(const Word& word);
+    bool is_changed_by_m6();
     bool use_tool(int edge, const Word& word);
     bool feed_group(const Word& word);
     bool feed_reference(const Word& word);
@@ -213,9 +221,7 @@ class SinumerikReader {
     bool path_speed(double& speed_mm_s);
     bool add(program::Move& move);
     Spot spot_of_motion() const;
-    Result<program::Program> done();
     bool never_started();
-    void keep_used_letters();
     void tell_assumptions();
 
     // curves
@@ -277,11 +283,8 @@ class SinumerikReader {
     bool refuse(std::string_view code, const Word& word, std::string text, std::string_view hint = {});
     Spot spot(Address address) const { return {block_.place.line, said_.column(address), block_.place.file}; }
 
-    Findings findings_;
     Interpreter interpreter_;
-    const ReadOptions& options_;
     Control control_;
-    program::Program program_;
     Block block_;
     Modes modes_;
     UnitStatement stated_;
@@ -316,6 +319,7 @@ class SinumerikReader {
     bool whole_pose_needed_ = false;  ///< X, Y and Z must be known before anything moves: the tool was swivelled
     bool rapid_left_out_ = false;     ///< the programmed place was not gone to: something of it was not known
     std::optional<Word> modal_cycle_;
+    std::string modal_cycle_name_;  ///< that its name points to
     bool axis_words_ever_ = false, exact_stop_said_ = false, finished_ = false;
     Spot last_motion_;
 };

@@ -74,41 +74,50 @@ class Cursor {
 
 /// One program of a file: from its %_N_NAME_SPF line, or the start of the file, to the next such line.
 struct Section {
-    std::string_view name;  ///< in capitals, without %, _N_, _MPF and _SPF; empty without such a line
-    bool main = false;      ///< an MPF
+    std::string name;   ///< in capitals, without %, _N_, _MPF and _SPF; empty without such a line
+    bool main = false;  ///< an MPF
     LinePlace begin;
     std::size_t end = 0;
     std::unique_ptr<FlowIndex> flow;  ///< made when the first jump or control structure is met
 };
 
-/// The text of one file, in capitals and as written, cut in sections.
+/// A line in capitals; the views are of the text itself, or of the buffer where it has small letters.
+struct CapitalLine {
+    std::string_view capitals{};
+    const char* original = nullptr;
+    std::string buffer{};
+};
+
+/// The text of one file, cut in sections.
 class Source {
   public:
     /// `file` is empty for the text that is read. `text` must outlive the source.
-    Source(std::string file, std::string_view text);
+    Source(std::string file, const ProgramText& text);
     /// Keeps the text itself.
     static std::unique_ptr<Source> keeping(std::string file, std::string text);
 
     std::string_view file() const { return file_; }
-    int lines() const { return lines_; }
+    const ProgramText& text() const { return text_; }
+    bool is_before_end(const LinePlace& place, const Section& section) const {
+        return place.offset < std::min(section.end, text_.size());
+    }
     Section& main_section();
     Section* section(std::string_view name);
 
     /// The line that starts at `place`, without its end; `place` moves on to the next one. A last line may lack its
     /// end.
-    std::string_view take_line(LinePlace& place) const;
+    void take_line(LinePlace& place, CapitalLine& line);
     /// From `place` to before `end`; 0: none, or comments alone.
-    int next_line_that_says_something(LinePlace place, std::size_t end) const;
-    const char* original(std::string_view part) const { return text_.data() + (part.data() - capitals_.data()); }
+    int next_line_that_says_something(LinePlace place, std::size_t end);
+    /// For one more look at the whole text.
+    Source again() const { return {file_, text_.again()}; }
 
   private:
-    void take_over(std::string_view text);
     void cut_sections();
 
-    std::string file_, kept_, capitals_;
-    std::string_view text_;
+    std::string file_, kept_;
+    ProgramText text_;
     std::vector<Section> sections_;
-    int lines_ = 0;
 };
 
 /// The files beside the main program, by name in capitals.

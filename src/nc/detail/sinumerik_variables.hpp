@@ -43,7 +43,7 @@ using Scope = std::map<std::string, Variable, std::less<>>;
 
 /// An element of a variable, or an R parameter: what can be read and assigned.
 struct Reference {
-    std::string_view name;  ///< of the variable; empty: R
+    std::string name{};  ///< of the variable; empty: R
     std::size_t element = 0;
 };
 

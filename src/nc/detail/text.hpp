@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include "detail/program_text.hpp"
+
 namespace trunnion::nc {
 
 constexpr bool is_blank(char c) {
@@ -38,26 +40,5 @@ constexpr bool reads(std::string_view word, std::string_view capitals) {
     return word.size() == capitals.size() &&
            std::equal(word.begin(), word.end(), capitals.begin(), [](char a, char b) { return upper(a) == b; });
 }
-
-/// Lines of a text, without their ends, counted from 1.
-class LineScanner {
-  public:
-    explicit LineScanner(std::string_view text) : rest_(text) {}
-
-    bool next(std::string_view& line) {
-        if (rest_.empty()) return false;
-        const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-        line = rest_.substr(0, end);
-        rest_.remove_prefix(std::min(end + 1, rest_.size()));
-        ++number_;
-        return true;
-    }
-    int number() const { return number_; }
-    std::string_view rest() const { return rest_; }
-
-  private:
-    std::string_view rest_;
-    int number_ = 0;
-};
 
 }  // namespace trunnion::nc

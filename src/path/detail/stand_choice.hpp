@@ -82,19 +82,23 @@ struct Excess {
 class StandChoice {
   public:
     StandChoice(const program::Program& program, const machine::Machine& machine, Surroundings surroundings,
-                double pole_tolerance_rad)
+                double pole_tolerance_rad, const std::optional<machine::RotaryPosition>& standing)
         : program_(program),
           machine_(machine),
           surroundings_(std::move(surroundings)),
           pole_tolerance_rad_(pole_tolerance_rad),
+          start_(standing.value_or(surroundings_.start())),
+          begins_as_it_stands_(standing.has_value()),
           way_(program, surroundings_) {}
     StandChoice(const StandChoice&) = delete;
 
     Result<std::vector<program::RotaryStand>> operator()();
 
   private:
+    /// Moves that leave no choice.
     bool is_literal(std::size_t move) const {
-        return program_.moves[move].law == OrientationLaw::rotary || program_.moves[move].space != Space::workpiece;
+        return (move == 0 && begins_as_it_stands_) || program_.moves[move].law == OrientationLaw::rotary ||
+               program_.moves[move].space != Space::workpiece;
     }
     bool is_rapid(std::size_t move) const { return program_.moves[move].kind == program::MoveKind::rapid; }
     Result<bool> at_pole(std::size_t move) const;
@@ -156,6 +160,8 @@ class StandChoice {
     const machine::Machine& machine_;
     Surroundings surroundings_;
     double pole_tolerance_rad_;
+    machine::RotaryPosition start_;  // of the rotary axes before the program
+    bool begins_as_it_stands_;
     VectorWay way_;
     std::vector<Stage> stages_;
 };

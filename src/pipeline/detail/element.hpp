@@ -8,6 +8,7 @@
 #include "trunnion/base/result.hpp"
 #include "trunnion/feed/interval.hpp"
 #include "trunnion/path/run.hpp"
+#include "trunnion/program/program.hpp"
 
 #include "detail/stretch.hpp"
 
@@ -15,6 +16,7 @@ namespace trunnion::pipeline {
 
 /// The moves up to the next standstill that the program asks for begin here.
 struct RunBegin {
+    std::shared_ptr<const program::Program> program;  ///< the part that the run is of
     std::vector<path::RunEvent> events;
     std::size_t blocks = 0;
 };

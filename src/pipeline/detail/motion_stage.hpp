@@ -14,9 +14,8 @@ namespace trunnion::pipeline {
 /// the observer as soon as a stretch is planned. Nothing of a stretch is kept after it.
 class MotionStage {
   public:
-    MotionStage(const program::Program& program, const machine::Machine& machine, const PlanOptions& options,
-                PlanObserver& observer)
-        : program_(program), options_(options), observer_(observer), account_(program, machine, options) {}
+    MotionStage(const machine::Machine& machine, const PlanOptions& options, PlanObserver& observer)
+        : options_(options), observer_(observer), account_(machine, options) {}
 
     /// Errors: those of feed::StretchPlanner, with the line of the stretch.
     Result<void> take(const Element& element);
@@ -38,7 +37,6 @@ class MotionStage {
     void emit(const motion::Setpoint& row);
     const path::AxisPath& path() const { return *stretch_.stretch->axis_path; }
 
-    const program::Program& program_;
     const PlanOptions& options_;
     PlanObserver& observer_;
     PlanAccount account_;

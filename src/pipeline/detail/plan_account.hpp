@@ -8,6 +8,7 @@
 
 #include "detail/feed_drops.hpp"
 #include "detail/stretch_table.hpp"
+#include "detail/transition_use.hpp"
 
 namespace trunnion::pipeline {
 
@@ -20,12 +21,13 @@ struct LimitGradients {
 /// Running sums of what the summary says.
 class PlanAccount {
   public:
-    PlanAccount(const program::Program& program, const machine::Machine& machine, const PlanOptions& options);
+    PlanAccount(const machine::Machine& machine, const PlanOptions& options);
 
     void add_blocks(std::size_t count) { summary_.blocks += count; }
     void add_dwell(double time_s);
     /// In the order of the motion.
-    void add(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table);
+    void add(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table,
+             const std::string& file);
 
     /// The summary so far, shares and medians worked out. Once, at the end.
     Summary take();
@@ -34,15 +36,14 @@ class PlanAccount {
   private:
     void count_stop(const path::ToolPath& next);
     void add_loads(const feed::StretchPlan& plan);
-    void tell_of_slowness(const path::ToolPath& stretch, double time_s, double bound_s);
+    void tell_of_slowness(const path::ToolPath& stretch, double time_s, double bound_s, const std::string& file);
 
-    const program::Program* program_;
     int axis_count_;
     Summary summary_;
     FeedDropCollector drops_;
     LimitGradients gradients_;
     std::array<double, machine::max_axes> jerk_square_s_{};
-    std::vector<float> transition_use_;
+    TransitionUse transition_use_;
     bool moved_ = false, dwelt_ = false;
     path::StopCause last_stop_ = path::StopCause::end;
 };

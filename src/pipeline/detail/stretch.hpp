@@ -21,10 +21,12 @@ struct Stretch {
     path::ToolPath tool_path;
     machine::RotaryPosition near{};  ///< as given to AxisPath::make
     std::optional<path::AxisPath> axis_path;
+    std::shared_ptr<const void> part;  ///< what the tool path points to
 
     /// Errors: those of AxisPath::make.
     static Result<std::shared_ptr<const Stretch>> make(path::ToolPath tool_path, const machine::Machine& machine,
-                                                       const machine::RotaryPosition& near);
+                                                       const machine::RotaryPosition& near,
+                                                       std::shared_ptr<const void> part);
 };
 
 /// The error with its file, and with the line where it has none of its own.

@@ -1,41 +1,37 @@
 #pragma once
 
 #include <deque>
-#include <span>
 #include <vector>
 
 #include "trunnion/machine/machine.hpp"
-#include "trunnion/path/path_builder.hpp"
 #include "trunnion/pipeline/plan_options.hpp"
 #include "trunnion/program/program.hpp"
 
 #include "detail/element.hpp"
+#include "detail/planned_part.hpp"
 
 namespace trunnion::pipeline {
 
-/// The stretches of a program, one after another: builds the path, smooths it, takes it through the machine, and turns
-/// a free axis in place where the next stretch begins at the pole with another position of it. Holds what the stretches
-/// point to and must outlive them; keeps references to what it was made from.
+/// The stretches of a program, one after another, part by part: builds the path, smooths it, takes it through the
+/// machine, and turns a free axis in place where the next stretch begins at the pole with another position of it. A
+/// stretch keeps alive what it points to; the source keeps references to what it was made from.
 class StretchSource {
   public:
-    /// Errors: those of PathBuilder::make.
-    static Result<StretchSource> make(const program::Program& program, const machine::Machine& machine,
-                                      const machine::Setup& setup, const PlanOptions& options,
-                                      std::span<const program::RotaryStand> stands);
+    StretchSource(PartSource& parts, const machine::Machine& machine, const PlanOptions& options)
+        : parts_(&parts), machine_(&machine), options_(&options) {}
 
     /// RunBegin, StretchBegin …, RunEnd for every run; a run without stretches holds events behind the last motion.
-    /// Errors: those of PathBuilder and AxisPath, PIPE0003, PIPE0005.
+    /// Errors: those of the parts, PathBuilder and AxisPath, PIPE0003, PIPE0005.
     NextElement next();
 
-    const program::Program& program() const { return *program_; }
-    /// Of the path builder, met so far.
-    const std::vector<Diagnostic>& diagnostics() const { return builder_.diagnostics(); }
+    /// The part at hand. Precondition: next() gave an element.
+    const program::Program& program() const { return *part_->program; }
+    /// Of path building, met so far.
+    std::vector<Diagnostic> diagnostics() const;
     double smooth_s() const { return smooth_s_; }
 
   private:
-    StretchSource(const program::Program& program, const machine::Machine& machine, const PlanOptions& options,
-                  path::PathBuilder builder)
-        : program_(&program), machine_(&machine), options_(&options), builder_(std::move(builder)) {}
+    Result<void> take_next_part();
     NextElement begin_run();
     void apply_feed_options();
     void smooth();
@@ -46,10 +42,11 @@ class StretchSource {
     Diagnostic joint_error(const path::AxisPath& next, double jump) const;
     double share(std::size_t block) const;
 
-    const program::Program* program_;
+    PartSource* parts_;
     const machine::Machine* machine_;
     const PlanOptions* options_;
-    path::PathBuilder builder_;
+    std::shared_ptr<PlannedPart> part_;
+    std::vector<Diagnostic> diagnostics_;  // of the parts before it
     path::Run run_;
     std::vector<path::ToolPath> smoothed_;  // of the run
     std::size_t next_smoothed_ = 0;

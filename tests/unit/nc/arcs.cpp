@@ -194,5 +194,11 @@ TEST(Arcs, Refusals) {
     EXPECT_EQ(code_of(arc_through(o, 1000 * x, Vector3d(2000, 1, 0))), "");
 }
 
+TEST(Arcs, the_way_along_a_helix) {
+    const Arc arc{{1, 2, 3}, z, -2 * pi};
+    EXPECT_NEAR(square_of_way(arc, {1, 6, 0}, {0, 0, 5}), std::pow(8 * pi, 2) + 25, 1e-9);
+    EXPECT_NEAR(square_of_way(arc, {4, 2, 9}, {0, 0, 0}), std::pow(6 * pi, 2), 1e-9);
+}
+
 }  // namespace
 }  // namespace trunnion::nc

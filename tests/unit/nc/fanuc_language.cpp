@@ -163,6 +163,9 @@ TEST(FanucRecognise, ByContent) {
         EXPECT_EQ(*recognise(text), Dialect::rs274) << text;
     EXPECT_EQ(*recognise("G0 X=R1\nG43.4 H1\n"), Dialect::sinumerik);
     EXPECT_EQ(recognise("Listing\nmore\n").error().code, "NC0004");
+    EXPECT_EQ(*recognise("; by hand\n;\n0 BEGIN PGM A MM\n"), Dialect::heidenhain) << "comments tell nothing";
+    EXPECT_EQ(*recognise("; by hand\nG0 X1\n"), Dialect::rs274);
+    EXPECT_EQ(*recognise("; nothing but this\n"), Dialect::rs274);
     EXPECT_EQ(read_program("%PM9001\nN1 G93 B5=3\n", "test", {}).error().code, "NC0801");
 }
 

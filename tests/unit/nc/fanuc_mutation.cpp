@@ -1,12 +1,5 @@
-#include <cmath>
-#include <cstdint>
-#include <string>
-
-#include <gtest/gtest.h>
-
 #include "fanuc_reading.hpp"
-#include "random.hpp"
-#include "sound.hpp"
+#include "mutation.hpp"
 
 namespace trunnion::nc {
 namespace {
@@ -31,41 +24,11 @@ constexpr std::string_view pieces[] = {
     "G43.5", "G254", "G68.2", "K",   "R",     "Q0",    "O9",    "/", "*",   "=",  "P1",    "999999999999", "\xff",
     " "};
 
-std::string mutated(std::string text, Random& random) {
-    for (std::size_t changes = 1 + random.below(4); changes > 0; --changes) {
-        const std::size_t at = random.below(text.size() + 1);
-        const std::size_t kind = random.below(5);
-        const std::size_t amount = 1 + random.below(9);
-        if (kind == 0) text.insert(at, pieces[random.below(std::size(pieces))]);
-        if (kind == 1) text.erase(at, amount);
-        if (kind == 2) text.resize(at);
-        if (kind == 3) text.insert(at, text.substr(random.below(text.size() + 1), amount));
-        if (kind == 4 && at < text.size()) text[at] = static_cast<char>(1 + random.below(255));
-    }
-    return text;
-}
-
 TEST(FanucMutations, ReadOrRefusedButSound) {
-    constexpr std::uint64_t seed = 20260301;
-    SCOPED_TRACE(seed);
-    RecordProperty("seed", std::to_string(seed));
-    Random random{seed};
-    int read = 0, refused = 0;
-    for (int i = 0; i < 6000; ++i) {
-        const std::string text = mutated(std::string(seeds[random.below(std::size(seeds))]), random);
-        ReadOptions options;
-        options.feed_given_elsewhere = random.below(2) == 0;
-        options.most_repeated_lines = 2000;
-        const auto program = read_fanuc_text(text, options);
-        SCOPED_TRACE(text);
-        if (program)
-            expect_sound(*program);
-        else
-            ASSERT_TRUE(program.error().code.starts_with("NC0") && !program.error().text.empty());
-        ++(program ? read : refused);
-    }
-    EXPECT_GT(read, 300) << "the mutations should leave some programs readable";
-    EXPECT_GT(refused, 300);
+    expect_read_or_refused(
+        {20260301, 6000, seeds, pieces},
+        [](std::string_view text, const ReadOptions& options, Random&) { return read_fanuc_text(text, options); },
+        expect_sound);
 }
 
 }  // namespace

@@ -1,13 +1,16 @@
 #include "detail/gzip.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <zlib.h>
 
-#include "reading.hpp"
+#include "joined.hpp"
 
 namespace trunnion::nc {
 namespace {
@@ -27,6 +30,22 @@ std::string packed(std::string_view text) {
 }
 
 constexpr std::size_t plenty = 1 << 30;
+
+/// What an archive holds, which is given in pieces of 1000 bytes.
+Result<std::string> inflated(std::string_view archive, std::size_t most) {
+    std::string text;
+    const auto source = [&](std::span<char> into) {
+        const std::size_t count = archive.copy(into.data(), std::min<std::size_t>(into.size(), 1000));
+        archive.remove_prefix(count);
+        return count;
+    };
+    const auto whole = inflate_archive(source, most, [&](std::string_view bytes) {
+        text += bytes;
+        return true;
+    });
+    if (!whole) return fail(whole.error());
+    return text;
+}
 
 TEST(Gzip, ComesBackWhole) {
     for (const std::size_t size : {0u, 1u, 1'000u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, 5'000'000u}) {
@@ -72,6 +91,20 @@ TEST(Gzip, APackedProgramIsReadAsTheProgram) {
     EXPECT_EQ(broken.error().code, "NC0009");
     EXPECT_EQ(broken.error().place.file, file.string());
     std::filesystem::remove(file);
+}
+
+TEST(Gzip, PartsOfAPackedProgramAreThoseOfTheProgram) {
+    std::string text = "G21 G0 X0 Y0 Z0 F100\n";
+    for (int i = 0; i < 20'000; ++i) text += fmt::format("G{} X{} Y{}\n", i % 50 == 0 ? 0 : 1, i * 7919 % 1009, i);
+    const FileForTest packed_file("packed.ngc.gz", packed(text)), file("packed.ngc", text);
+    ReadOptions options;
+    options.parts.to_rapid = 1000;
+    const JoinedParts read = join_parts(packed_file.path(), options), plain = join_parts(file.path(), options);
+    ASSERT_FALSE(read.error) << to_string(*read.error);
+    EXPECT_EQ(read.parts.size(), 20u);
+    EXPECT_TRUE(read.joined == plain.joined);
+    const FileForTest cut("cut.ngc.gz", std::string_view(packed(text)).substr(0, 20'000));
+    EXPECT_EQ(open_program_file(cut.path(), options).error().code, "NC0009");
 }
 
 }  // namespace

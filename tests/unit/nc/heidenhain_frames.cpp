@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "heidenhain_reading.hpp"
 
 namespace trunnion::nc {
@@ -139,6 +141,25 @@ TEST(HeidenhainCycles, Drilling) {
     ASSERT_EQ(p->events.size(), 2u);
     EXPECT_EQ(p->events[1].dwell_s, 0.5);
     EXPECT_EQ(p->events[1].before_move, 3u);
+}
+
+/// Lines of their own behind the cycle say its feeds as the cycle itself would.
+TEST(HeidenhainCycles, FeedsBehindTheCycle) {
+    const std::string cycle = "CYCL DEF 200 Q200=2 Q201=-10 Q202=10 Q203=0 Q204=2\n";
+    const auto plunge = [&](const std::string& feed) { return after_start("TOOL CALL 5 Z S1000 F240\n" + feed); };
+    for (const char* feed : {"Q206=FAUTO\n", "Q206 = AUTO\n", "Q206=240\n"}) {
+        const auto p = plunge(cycle + feed + "L X+1 Y+0 Z+2 FMAX\nCYCL CALL");
+        ASSERT_TRUE(p) << feed << said(p);
+        const auto down =
+            std::ranges::find(p->moves.rbegin(), p->moves.rend(), program::MoveKind::feed, &program::Move::kind);
+        ASSERT_NE(down, p->moves.rend()) << feed;
+        EXPECT_NEAR(down->feed.value, 4, 1e-12) << feed;
+    }
+    const auto rapid = plunge(cycle + "Q206=FMAX\nL X+1 Y+0 Z+2 FMAX\nCYCL CALL");
+    ASSERT_TRUE(rapid) << said(rapid);
+    EXPECT_EQ(std::ranges::count(rapid->moves, program::MoveKind::feed, &program::Move::kind), 0);
+    EXPECT_EQ(code_of(after_start(cycle + "Q206=FAUTO\nCYCL CALL")), "NC0705") << "TOOL CALL says no feed";
+    EXPECT_EQ(code_of(after_start("Q206=FEED")), "NC0731");
 }
 
 TEST(HeidenhainCycles, Calls) {

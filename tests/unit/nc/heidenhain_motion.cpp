@@ -231,6 +231,9 @@ TEST(Heidenhain, Roundings) {
     EXPECT_NEAR(p->moves[3].feed.value, 10, 1e-12);
     EXPECT_EQ(p->moves[2].line, 5);
     EXPECT_EQ(klartext("L X+5\nRND R2\nL X+10"), "F u 5 0 0\nF u 10 0 0\n");
+    const auto turned = after_start("L C+30\nL X+10\nRND R2 F120\nL Y+10");
+    EXPECT_TRUE(turned) << "a rotary axis that was said stays where it is";
+    EXPECT_EQ(code_of(after_start("L C+30\nL X+10\nRND R2\nL Y+10 C+40")), "NC0719") << "it turns meanwhile";
     EXPECT_EQ(code_of(after_start("L X+1\nRND R2\nL Y+10")), "NC0719") << "too large";
     EXPECT_EQ(code_of(after_start("L X+10\nRND R2\nL Z+10")), "NC0719") << "not in the plane";
     EXPECT_EQ(code_of(after_start("L X+10\nRND R2\nL Y+10 FMAX")), "NC0719");

@@ -1,9 +1,5 @@
-#include <cstdint>
-#include <string>
-
 #include "heidenhain_reading.hpp"
-#include "random.hpp"
-#include "sound.hpp"
+#include "mutation.hpp"
 
 namespace trunnion::nc {
 namespace {
@@ -69,47 +65,11 @@ constexpr std::string_view pieces[] = {"(",
                                        "F CONT",
                                        "M140 MB MAX "};
 
-std::string mutated(std::string text, Random& random) {
-    for (std::size_t changes = 1 + random.below(4); changes > 0; --changes) {
-        const std::size_t at = random.below(text.size() + 1);
-        const std::size_t kind = random.below(5);
-        const std::size_t amount = 1 + random.below(9);
-        if (kind == 0) text.insert(at, pieces[random.below(std::size(pieces))]);
-        if (kind == 1) text.erase(at, amount);
-        if (kind == 2) text.insert(at, text.substr(random.below(text.size() + 1), 4 * amount));
-        if (kind == 3)
-            text.insert(text.find('\n', at) == text.npos ? at : text.find('\n', at) + 1,
-                        std::string(pieces[random.below(std::size(pieces))]) + "\n");
-        if (kind == 4 && at < text.size()) text[at] = static_cast<char>(random.below(256));
-    }
-    return text;
-}
-
 TEST(HeidenhainMutations, ReadOrRefusedButSound) {
-    constexpr std::uint64_t seed = 20261123;
-    SCOPED_TRACE(seed);
-    RecordProperty("seed", std::to_string(seed));
-    Random random{seed};
-    int read = 0, refused = 0;
-    for (int i = 0; i < 8000; ++i) {
-        const std::string text = mutated(std::string(seeds[random.below(std::size(seeds))]), random);
-        ReadOptions options;
-        options.feed_given_elsewhere = random.below(2) == 0;
-        options.most_repeated_lines = 10'000;
-        const auto program = read_klartext(text, options);
-        SCOPED_TRACE(text);
-        if (program) {
-            expect_sound(*program);
-            for (const program::Move& move : program->moves)
-                ASSERT_EQ(move.feed.rule == program::FeedRule::none, move.kind == program::MoveKind::rapid);
-        } else {
-            ASSERT_TRUE(program.error().code.starts_with("NC0") && !program.error().text.empty());
-        }
-        if (HasFatalFailure()) return;
-        ++(program ? read : refused);
-    }
-    EXPECT_GT(read, 400) << "the mutations should leave some programs readable";
-    EXPECT_GT(refused, 800);
+    expect_read_or_refused(
+        {20261123, 8000, seeds, pieces, 400, 800},
+        [](std::string_view text, const ReadOptions& options, Random&) { return read_klartext(text, options); },
+        expect_sound_with_feeds);
 }
 
 TEST(HeidenhainMutations, TheSeedsAreGood) {

@@ -1,12 +1,12 @@
+#include "mutation.hpp"
+
 #include <cmath>
 #include <cstdint>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "random.hpp"
 #include "reading.hpp"
-#include "sound.hpp"
 
 namespace trunnion::nc {
 namespace {
@@ -68,20 +68,6 @@ constexpr std::string_view pieces[] = {"$",
                                        "T99999999999999999999",
                                        std::string_view("\0", 1)};
 
-std::string mutated(std::string text, Random& random) {
-    for (std::size_t changes = 1 + random.below(4); changes > 0; --changes) {
-        const std::size_t at = random.below(text.size() + 1);
-        const std::size_t kind = random.below(5);
-        const std::size_t amount = 1 + random.below(9);
-        if (kind == 0) text.insert(at, pieces[random.below(std::size(pieces))]);
-        if (kind == 1) text.erase(at, amount);
-        if (kind == 2) text.resize(at);
-        if (kind == 3) text.insert(at, text.substr(random.below(text.size() + 1), amount));
-        if (kind == 4 && at < text.size()) text[at] = static_cast<char>(random.below(256));
-    }
-    return text;
-}
-
 /// Their rotary words are all known.
 void expect_sound_and_whole(const program::Program& p) {
     expect_sound(p);
@@ -90,27 +76,11 @@ void expect_sound_and_whole(const program::Program& p) {
 }
 
 TEST(Mutations, ReadOrRefusedButSound) {
-    constexpr std::uint64_t seed = 20250714;
-    SCOPED_TRACE(seed);
-    RecordProperty("seed", std::to_string(seed));
-    Random random{seed};
-    int read = 0, refused = 0;
-    for (int i = 0; i < 12000; ++i) {
-        const std::string text = mutated(std::string(seeds[random.below(std::size(seeds))]), random);
-        ReadOptions options;
-        options.feed_given_elsewhere = random.below(2) == 0;
-        options.most_repeated_lines = 10'000;
+    const auto read = [](std::string_view text, ReadOptions options, Random& random) {
         if (random.below(4) == 0) options.dialect = random.below(2) == 0 ? Dialect::apt : Dialect::rs274;
-        const auto program = read_ac(text, options);
-        SCOPED_TRACE(text);
-        if (program)
-            expect_sound_and_whole(*program);
-        else
-            ASSERT_TRUE(program.error().code.starts_with("NC0") && !program.error().text.empty());
-        ++(program ? read : refused);
-    }
-    EXPECT_GT(read, 300) << "the mutations should leave some programs readable";
-    EXPECT_GT(refused, 300);
+        return read_ac(text, options);
+    };
+    expect_read_or_refused({20250714, 12000, seeds, pieces}, read, expect_sound_and_whole);
 }
 
 }  // namespace

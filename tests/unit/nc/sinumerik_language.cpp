@@ -419,7 +419,7 @@ TEST(SinumerikFlow, Refusals) {
 
 TEST(SinumerikFlow, EndlessProgramsEnd) {
     const Limits few{.lines = 1000};
-    expect_refused("LOOP\nENDLOOP", "NC0542", 2, 1, few);
+    expect_refused("LOOP\nENDLOOP", "NC0542", 1, 1, few);
     expect_refused("AA: GOTOB AA", "NC0542", 1, 1, few);
     expect_refused("AA: X1\nREPEATB AA P=100000", "NC0542", 1, 1, few);
     expect_refused("SUB P=100000\n%_N_SUB_SPF\n", "NC0542", 1, 1, few);

@@ -32,6 +32,8 @@ inline void expect_sound(const program::Program& p) {
         ASSERT_LT(move.tool, p.tools.size());
         ASSERT_LT(move.offset, p.offsets.size());
     }
+    ASSERT_EQ(p.following.size(), p.moves.size() * p.following_letters.size());
+    for (const double at_mm : p.following) ASSERT_TRUE(std::isfinite(at_mm));
     for (const program::Event& event : p.events) ASSERT_LE(event.before_move, p.moves.size());
 }
 

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string_view>
 
 #include "trunnion/base/result.hpp"
 #include "trunnion/machine/machine.hpp"
 #include "trunnion/program/program.hpp"
+#include "trunnion/program/program_parts.hpp"
 
 namespace trunnion::nc {
 
@@ -27,6 +31,13 @@ std::optional<Dialect> dialect_named(std::string_view name) noexcept;
 /// Which unit of length rules: the one that the program states, or this one whatever the program states.
 enum class Units : std::uint8_t { none, mm, inch };
 
+/// Where open_program_file() ends a part: at the first place of its kind behind so many moves, or so many events.
+struct PartSizes {
+    std::size_t to_rapid = 64'000;  ///< before a rapid
+    std::size_t to_stop = 128'000;  ///< where motion stands still: an exact stop, a dwell, an event that stops it
+    std::size_t most = 200'000;     ///< anywhere: a standstill is made there, and told (NC0019)
+};
+
 struct ReadOptions {
     std::optional<Dialect> dialect;  ///< empty: recognised by content
     Units units = Units::none;       ///< a feed that names its own unit (IPM, MMPM) keeps it
@@ -36,6 +47,8 @@ struct ReadOptions {
     /// Lines that jumps, loops and subprograms may carry out beyond the text once, about 1 µs each; more is a program
     /// without an end (NC0338, NC0542, NC0743; fanuc: see docs/dialects.md).
     std::int64_t most_repeated_lines = 5'000'000;
+    int most_lines = std::numeric_limits<int>::max();  ///< up to before this line: NC0020
+    PartSizes parts;
 };
 
 /// The dialect of a text, by the first line that tells. Looks at no file name. Allocates nothing unless it fails.
@@ -70,8 +83,26 @@ Result<Dialect> recognise(std::string_view text);
 /// of the moves. Errors: src/nc/README.md lists all codes.
 Result<program::Program> read_program(std::string_view text, std::string_view file_name, const ReadOptions& options);
 
-/// The same for a file; one that starts as a gzip archive is inflated first. Errors: also NC0001 not readable, NC0008
-/// larger than 2 GB, packed or not, NC0009 a damaged archive.
+/// The same for a file, which nobody may write to meanwhile; one that starts as a gzip archive is inflated first.
+/// Errors: also NC0001 not readable, NC0008 an archive that holds more than 64 GB, NC0009 a damaged one.
 Result<program::Program> read_program_file(const std::filesystem::path& file, const ReadOptions& options);
+
+/// The same part by part: each call of next() reads on until a part is complete, as PartSizes says, so that a program
+/// of any length fits into some 32 MB (a part of 200 000 moves, and 2 MB of text). Joined the parts are what
+/// read_program_file() gives, but for standstills that had to be made. Nothing runs between the calls; what was opened
+/// may be dropped at any time. `options.machine` must stay.
+///
+/// A part ends only at a pose that is known whole: every coordinate, and every rotary axis of the machine whose letter
+/// stands anywhere in the text (looked for once, where an axis is not known at the first end). At its end a part has
+/// the events that stand before the rapid that opens the next one; the path control in force is said again in the next.
+/// Rotary letters that a program begins to use behind moves of law vector come with the part that says them.
+///
+/// The file is mapped, and what was read is given back. A gzip archive is inflated when it is opened, about 3 s a GB,
+/// into a temporary file without a name (in TMPDIR, else /tmp), since every dialect can jump back. What may grow beyond
+/// a part: the labels of a program that jumps, a curve with all of its control points, what no part can end in.
+/// Errors of next(): those of the text, behind the good parts before them; NC0021 a file that the program calls is the
+/// first to say a rotary axis, behind the end of a part.
+Result<std::unique_ptr<program::ProgramParts>> open_program_file(const std::filesystem::path& file,
+                                                                 const ReadOptions& options);
 
 }  // namespace trunnion::nc

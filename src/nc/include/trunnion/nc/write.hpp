@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,15 @@ namespace trunnion::nc {
 /// Takes the text in pieces of some 64 KB, in order.
 using TextSink = std::function<void(std::string_view)>;
 
+/// As what curves are written.
+enum class CurveForm : std::uint8_t {
+    own,      ///< what the dialect has and the curve fits into, see write_program(); else straight moves
+    bspline,  ///< sinumerik: BSPLINE
+    poly,     ///< sinumerik: POLY
+    nurbs,    ///< fanuc: G06.2
+    points    ///< straight moves within precision_mm
+};
+
 struct WriteOptions {
     Dialect dialect = Dialect::rs274;
     /// Largest errors of what is written: numbers have the fewest decimals that keep them, up to 12.
@@ -28,6 +38,7 @@ struct WriteOptions {
     /// Feeds as the time of the block (G93) wherever its length is known: rs274, sinumerik, fanuc. Without it only
     /// blocks that say their time have G93.
     bool inverse_time = false;
+    CurveForm curves = CurveForm::own;
     std::vector<std::string> head;  ///< lines of comment at the beginning; characters outside ASCII become `?`
 };
 
@@ -39,19 +50,24 @@ struct WriteSummary {
 
 /// Writes a program in a dialect, so that read_program() gives the same moves: positions, orientations, orientation
 /// laws, feeds, stops, events, tools and work offsets at their places, within the precision. What moves less than that
-/// is left out. Coordinates that a move leaves open (NaN) are not said.
+/// is left out. Coordinates that a move leaves open (NaN) are not said. Axes that go along: rs274.
 ///
 /// Law vector: tool vectors in apt, sinumerik (A3 B3 C3), heidenhain (LN … TX TY TZ) and fanuc (G43.5, I J K); rs274
 /// has none and takes such moves only where the tool stands along Z. Law rotary: rotary words in all but apt. The
 /// pipeline turns one into the other (pipeline::translate).
 /// Arcs stay arcs where the dialect has them: in planes XY, ZX, YZ; in sinumerik and apt in any. Others, and curves
-/// where the dialect has none, are divided into straight moves within precision_mm (NC0921, told). Curves stay curves
-/// in sinumerik (BSPLINE; POLY where the ends are not clamped or the degree is above 3) and fanuc (G06.2). A feed that
-/// the dialect cannot say is written as the time of its block where it has G93, else as a speed, and told. An event
+/// where the dialect has none, are divided into straight moves within precision_mm (NC0910, told). A feed that the
+/// dialect cannot say is written as the time of its block where it has G93, else as a speed, and told. An event
 /// without a word in the dialect becomes a comment, and is told.
 ///
+/// Curves stay curves, where nothing but their moves lies along them and feeds are not times:
+/// - sinumerik: BSPLINE of a whole curve of degree 1 … 3 with clamped ends and weights up to 3; else POLY, a block for
+///   each polynomial, up to degree 5, where weights bend X Y Z alone;
+/// - fanuc: G06.2, degree 1 … 3, law rotary; a new one where the feed changes, at events and exact stops.
+/// What does not fit is divided; where `curves` asks for one form it is refused (NC0909).
+///
 /// `machine`: its words for TCP, and whether it has rotary axes; may be null, then LinuxCNC's are taken.
-/// Errors: NC0901 … NC0909, listed in src/nc/README.md; the sink may have been called before.
+/// Errors: NC0901 … NC0909, NC0920, listed in src/nc/README.md; the sink may have been called before.
 /// Cost: below 1 µs a plain block; allocates nothing for it.
 Result<WriteSummary> write_program(const program::Program& program, const machine::Machine* machine,
                                    const WriteOptions& options, const TextSink& sink);

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "trunnion/base/result.hpp"
-#include "trunnion/machine/machine.hpp"
+#include "trunnion/machine/kinematics.hpp"
 #include "trunnion/program/program.hpp"
 
 namespace trunnion::path {
@@ -27,6 +28,9 @@ namespace trunnion::path {
 /// motion like everything else. At the poses meanwhile they stand as the programmed vectors want them, on the branch of
 /// the side of the passage: where the branch changes from one pose to the next a run goes through the pole.
 ///
+/// `standing`: the axes stand so at moves[0], as a part of the program before this one left them; without it they begin
+/// where the least motion wants them.
+///
 /// The path between poses is otherwise the programmed one. Ranges are looked at every 2° of turn: AxisPath judges the
 /// path that is moved.
 ///
@@ -35,9 +39,8 @@ namespace trunnion::path {
 /// one leaves first on the way that lasts longest, and after which retract and turn it would go on; PATH0103 the
 /// programmed path passes the pole too closely to follow. Cost: 0.5-1 µs a move, linear; 60 bytes a move. Source:
 /// dynamic programming over the stretches between retracts.
-Result<std::vector<program::RotaryStand>> choose_rotary_stands(const program::Program& program,
-                                                               const machine::Machine& machine,
-                                                               const machine::Setup& setup,
-                                                               double pole_tolerance_rad = 0);
+Result<std::vector<program::RotaryStand>> choose_rotary_stands(
+    const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
+    double pole_tolerance_rad = 0, const std::optional<machine::RotaryPosition>& standing = {});
 
 }  // namespace trunnion::path

@@ -10,7 +10,7 @@
 #include "trunnion/path/axis_path.hpp"
 #include "trunnion/pipeline/plan_options.hpp"
 #include "trunnion/pipeline/summary.hpp"
-#include "trunnion/program/program.hpp"
+#include "trunnion/program/program_parts.hpp"
 
 namespace trunnion::pipeline {
 
@@ -27,7 +27,7 @@ struct PathSample {
 /// An event of the program at its place in the motion.
 struct EventRow {
     double time_s = 0, s_mm = 0;
-    const program::Event* event = nullptr;
+    const program::Event* event = nullptr;  ///< for the time of the call
 };
 
 /// What holds the speed down at a setpoint.
@@ -64,6 +64,13 @@ struct PlanObserver {
 /// Warnings in the summary: PIPE0102 a stretch far slower than it needs to be, PIPE0103 a worth that could not be
 /// found.
 Result<Summary> plan(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
+                     const PlanOptions& options, PlanObserver& observer);
+
+/// The same for a program that is read meanwhile: memory follows its parts, not the program. Each part begins with the
+/// rotary axes as the one before left them: their branch and winding are chosen part by part. A program in one part is
+/// planned as above. Errors: also those of the reader, at its place behind the setpoints of what came before.
+/// Warnings: also PIPE0106 no worth in parts.
+Result<Summary> plan(program::ProgramParts& parts, const machine::Machine& machine, const machine::Setup& setup,
                      const PlanOptions& options, PlanObserver& observer);
 
 }  // namespace trunnion::pipeline

@@ -16,6 +16,8 @@ class ProgramParts {
     virtual ~ProgramParts() = default;
     /// The next part into `part`, whose storage is used again; false behind the last one. Errors: those of the reader.
     virtual Result<bool> next(Program& part) = 0;
+    /// How much of the program is read, 0 … 1; 0 where that is not known.
+    virtual double share() const { return 0; }
 };
 
 }  // namespace trunnion::program
