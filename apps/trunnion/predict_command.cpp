@@ -106,7 +106,9 @@ int predict_and_report(const PredictCommand& command) {
 void add_predict_command(CLI::App& app, int& status) {
     auto command = std::make_shared<PredictCommand>();
     CLI::App* predict = app.add_subcommand("predict", "what a given control will make of a part program");
-    predict->add_option("program", command->job.program, "part program: APT CL data, RS-274 (LinuxCNC) or Sinumerik")
+    predict
+        ->add_option("program", command->job.program,
+                     "part program, plain or gzip'd: APT CL data, RS-274, Sinumerik, Heidenhain or Fanuc")
         ->required();
     predict->add_option("-c,--controller", command->controller, "shipped controller by name, or a controller file");
     CLI::Option* against =

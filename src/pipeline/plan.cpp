@@ -6,6 +6,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 
 #include "trunnion/path/rotary_stands.hpp"
@@ -108,6 +109,12 @@ void complete(Summary& summary, const program::Program& names, const std::vector
     summary.machine = machine.name;
     summary.setup = setup.file;
     summary.diagnostics.insert(summary.diagnostics.begin(), of_reading.begin(), of_reading.end());
+    if (!names.following_letters.empty())
+        summary.diagnostics.push_back({.code = "PIPE0107",
+                                       .severity = Severity::warning,
+                                       .text = fmt::format("following axes ({}) are not in the setpoints",
+                                                           fmt::join(names.following_letters, ", ")),
+                                       .hint = "smooth and convert write them"});
     if (smoothing::follows_exactly(options.smoothing) && options.smoothing.rounding != smoothing::Rounding::none)
         summary.diagnostics.push_back({.code = "PIPE0104",
                                        .severity = Severity::warning,
@@ -154,7 +161,8 @@ Result<Summary> plan(program::ProgramParts& parts, const machine::Machine& machi
         if (!more) return fail(more.error());
         if (!*more) return plan(*first, machine, setup, options, observer);
     }
-    const program::Program names{.source = first->source, .dialect = first->dialect};
+    const program::Program names{
+        .source = first->source, .dialect = first->dialect, .following_letters = first->following_letters};
     const PlanOptions used = options_in_use(options);
     MotionStage motion(machine, used, observer);
     ReadParts source({std::move(first), std::move(second)}, parts, machine, setup, used);
