@@ -424,6 +424,10 @@ TEST(RandomPrograms, rounded_corner_by_corner) {
     plan_and_check_all(machines_of_every_kind(), true, 30, smoothing::Rounding::beudaert);
 }
 
+TEST(RandomPrograms, with_curves_rounded_corner_by_corner) {
+    plan_and_check_all(machines_of_every_kind(), true, 30, smoothing::Rounding::beudaert, true);
+}
+
 /// Seeds that once found a limit broken at rest beside the pole, or a standstill that the checker lost.
 TEST(RandomPrograms, that_once_found_a_fault) {
     const auto machines = machines_of_every_kind();
