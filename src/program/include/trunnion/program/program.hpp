@@ -126,6 +126,35 @@ struct PathControl {
     std::size_t before_move = 0;
 };
 
+/// A surface that the program itself gives (Lin & Koren): S(u, v) = Σ Σ N_i N_j w_ij P_ij / Σ Σ N_i N_j w_ij, as in
+/// geometry::BsplineSurface.
+struct Surface {
+    int degree_u = 3, degree_v = 3;            ///< 1 … 7
+    std::vector<double> knots_u, knots_v;      ///< control points of that direction + degree + 1, never falling
+    std::vector<Eigen::Vector3d> position_mm;  ///< P_ij at i · (points of v) + j, in the frame of its job's offset
+    std::vector<double> weights;               ///< by control point, positive; empty: all 1
+};
+
+/// How passes lie on a surface; the same names as surfacing::Strategy.
+enum class SurfaceStrategy : std::uint8_t { constant_scallop, along_u, along_v, parallel_planes, lin_koren };
+
+/// A surface that the program wants machined, where moves[before_move] begins; moves.size() = at the end. The passes
+/// are laid by pipeline::expand_surfaces(), which puts moves in their place.
+struct SurfaceJob {
+    std::int32_t surface = 0;     ///< index in Program::surfaces
+    bool normal_against = false;  ///< the material is on the side of S_u × S_v
+    SurfaceStrategy strategy = SurfaceStrategy::constant_scallop;
+    double scallop_mm = 0.01, chord_tolerance_mm = 0.0005;
+    double feed_angle_rad = 0, lead_rad = 0, tilt_rad = 0;
+    bool zigzag = true, borders = true;
+    double lift_mm = 1, retract_mm = 20;
+    double feed_mm_s = 0, approach_mm_s = 0;  ///< approach 0: as the feed
+    std::size_t before_move = 0;
+    std::uint16_t tool = 0;    ///< index in Program::tools
+    std::uint16_t offset = 0;  ///< index in Program::offsets
+    std::int32_t line = 0;
+};
+
 /// Where the rotary axes stand at the end of a move: chosen by path building where the program leaves it open.
 struct RotaryStand {
     std::array<double, 2> rotary_rad{};  ///< order of the machine's rotary axes, control's count
@@ -148,6 +177,8 @@ struct Program {
     std::vector<Arc> arcs;
     std::vector<Curve> curves;
     std::vector<CurvePart> curve_parts;
+    std::vector<Surface> surfaces;
+    std::vector<SurfaceJob> surface_jobs;  ///< in order
     /// Axes that go along without shaping the motion (extruder E, laser power): in proportion to the way of their move.
     std::vector<char> following_letters;
     /// Where they are at the end of every move, row by row: moves.size() × following_letters.size(). Lengths in mm, the
