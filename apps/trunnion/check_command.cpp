@@ -5,6 +5,7 @@
 
 #include "trunnion/pipeline/check_setpoints.hpp"
 #include "trunnion/pipeline/plan_files.hpp"
+#include "trunnion/pipeline/programmed.hpp"
 
 #include "commands.hpp"
 #include "job.hpp"
@@ -18,18 +19,36 @@ struct CheckCommand {
     std::string setpoints, summary;
 };
 
+struct Checked {
+    verify::Verdict verdict;
+    std::vector<Diagnostic> diagnostics;
+};
+
+Result<Checked> run(const CheckCommand& command) {
+    const auto workplace = load_workplace(command.job);
+    if (!workplace) return fail(workplace.error());
+    const auto& [machine, setup, options, assumed] = *workplace;
+    auto parts = open_program(command.job, machine);
+    if (!parts) return fail(parts.error());
+    auto programmed = pipeline::programmed_poses(**parts, machine, setup, options.smoothing);
+    if (!programmed) return fail(programmed.error());
+    auto verdict = pipeline::check_setpoints(command.setpoints, programmed->poses, machine, setup, options.smoothing);
+    if (!verdict) return fail(verdict.error());
+    Checked out{std::move(*verdict), std::move(programmed->diagnostics)};
+    out.diagnostics.insert(out.diagnostics.end(), assumed.begin(), assumed.end());
+    return out;
+}
+
 int check_and_report(const CheckCommand& command) {
-    const auto job = load(command.job);
-    if (!job) return report_failure(job.error());
-    const auto verdict =
-        pipeline::check_setpoints(command.setpoints, job->program, job->machine, job->setup, job->options.smoothing);
-    if (!verdict) return report_failure(verdict.error());
+    const auto checked = run(command);
+    if (!checked) return report_failure(checked.error());
+    const auto& verdict = checked->verdict;
     if (!command.summary.empty())
-        if (auto written = pipeline::write_text_file(command.summary, pipeline::to_json(*verdict)); !written)
+        if (auto written = pipeline::write_text_file(command.summary, pipeline::to_json(verdict)); !written)
             return report_failure(written.error());
-    for (const Diagnostic& diagnostic : job->program.diagnostics) print(diagnostic, command.job.quiet);
-    fmt::print("{}", pipeline::report(*verdict));
-    return verdict->ok ? done : not_usable;
+    for (const Diagnostic& diagnostic : checked->diagnostics) print(diagnostic, command.job.quiet);
+    fmt::print("{}", pipeline::report(verdict));
+    return verdict.ok ? done : not_usable;
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 
 #include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -144,6 +147,19 @@ nc::ReadOptions reading_options(const JobOptions& options, const machine::Machin
     return out;
 }
 
+/// Up to this size a program is one part: branch and winding are chosen over all of it. About two million blocks, 400
+/// MB; packed ones hold some eight times as much.
+bool is_small(const std::filesystem::path& program) {
+    constexpr std::uintmax_t plain = 100'000'000, packed = plain / 8;
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(program, error);
+    return error || size <= (program.extension() == ".gz" ? packed : plain);
+}
+
+constexpr nc::PartSizes in_one_part{.to_rapid = std::numeric_limits<std::size_t>::max(),
+                                    .to_stop = std::numeric_limits<std::size_t>::max(),
+                                    .most = std::numeric_limits<std::size_t>::max()};
+
 }  // namespace
 
 std::vector<std::filesystem::path> machine_folders() {
@@ -189,7 +205,9 @@ Result<Job> load(const JobOptions& options) {
 
 Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options,
                                                             const machine::Machine& machine) {
-    return nc::open_program_file(options.program, reading_options(options, machine));
+    nc::ReadOptions reading = reading_options(options, machine);
+    if (is_small(options.program)) reading.parts = in_one_part;
+    return nc::open_program_file(options.program, reading);
 }
 
 void print(const Diagnostic& diagnostic, bool quiet) {

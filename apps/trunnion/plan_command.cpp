@@ -1,16 +1,12 @@
 #include <chrono>
 #include <csignal>
-#include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <system_error>
 
 #include <fmt/format.h>
 
-#include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/plan_files.hpp"
-#include "trunnion/smoothing/pole_tolerance.hpp"
+#include "trunnion/pipeline/programmed.hpp"
 #include "trunnion/verify/programmed_csv.hpp"
 
 #include "commands.hpp"
@@ -46,39 +42,18 @@ class TimedParts final : public program::ProgramParts {
     double read_s_ = 0;
 };
 
-Result<void> write_programmed(const PlanCommand& command, const Job& job) {
-    const auto stands = path::choose_rotary_stands(job.program, job.machine, job.setup,
-                                                   smoothing::pole_tolerance_rad(job.options.smoothing));
-    if (!stands) return fail(stands.error());
-    auto poses = verify::programmed_poses(job.program, job.machine, job.setup, *stands);
-    if (!poses) return fail(poses.error());
-    return pipeline::write_text_file(command.programmed, verify::programmed_csv(*poses, job.machine));
+/// The program is read once more.
+Result<void> write_programmed(const PlanCommand& command, const Workplace& workplace) {
+    const auto& machine = workplace.machine;
+    auto parts = open_program(command.job, machine);
+    if (!parts) return fail(parts.error());
+    auto programmed = pipeline::programmed_poses(**parts, machine, workplace.setup, workplace.options.smoothing);
+    if (!programmed) return fail(programmed.error());
+    return pipeline::write_text_file(command.programmed, verify::programmed_csv(programmed->poses, machine));
 }
 
-/// Up to this size a program is planned as a whole: branch and winding are chosen over all of it, as `check` does.
-/// About two million blocks, 400 MB; packed ones hold some eight times as much.
-bool is_small(const std::filesystem::path& program) {
-    constexpr std::uintmax_t plain = 100'000'000, packed = plain / 8;
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(program, error);
-    return error || size <= (program.extension() == ".gz" ? packed : plain);
-}
-
-/// Else it is planned while it is read.
-bool needs_whole_program(const PlanCommand& command) {
-    return !command.programmed.empty() || command.job.worth || is_small(command.job.program);
-}
-
-Result<pipeline::Summary> plan_whole(const PlanCommand& command, const Job& job, pipeline::PlanObserver& observer) {
-    auto summary = pipeline::plan(job.program, job.machine, job.setup, job.options, observer);
-    if (summary) summary->work.read_s = job.read_s;
-    if (summary && !command.programmed.empty())
-        if (auto written = write_programmed(command, job); !written) return fail(written.error());
-    return summary;
-}
-
-Result<pipeline::Summary> plan_in_parts(const PlanCommand& command, const Workplace& workplace,
-                                        pipeline::PlanObserver& observer) {
+Result<pipeline::Summary> plan_program(const PlanCommand& command, const Workplace& workplace,
+                                       pipeline::PlanObserver& observer) {
     auto opened = open_program(command.job, workplace.machine);
     if (!opened) return fail(opened.error());
     TimedParts parts(std::move(*opened));
@@ -87,39 +62,30 @@ Result<pipeline::Summary> plan_in_parts(const PlanCommand& command, const Workpl
     summary->work.read_s = parts.read_s();
     const auto& assumed = workplace.diagnostics;
     summary->diagnostics.insert(summary->diagnostics.begin(), assumed.begin(), assumed.end());
+    if (!command.programmed.empty())
+        if (auto written = write_programmed(command, workplace); !written) return fail(written.error());
     return summary;
 }
 
 /// Plans with the files as observer; they take their names when all is well.
-template <class Plan>
-Result<pipeline::Summary> plan_into_files(const PlanCommand& command, const Workplace& workplace, const Plan& plan) {
+Result<pipeline::Summary> run(const PlanCommand& command) {
+    auto workplace = load_workplace(command.job);
+    if (!workplace) return fail(workplace.error());
+    workplace->options.path_samples = !command.path.empty();
     ProgressLine progress(command.job.quiet);
-    auto files = pipeline::PlanFiles::create({command.setpoints, command.path, command.events}, workplace.machine,
+    auto files = pipeline::PlanFiles::create({command.setpoints, command.path, command.events}, workplace->machine,
                                              [&progress](double share) {
                                                  progress.show(share);
                                                  return stop_wanted == 0;
                                              });
     if (!files) return fail(files.error());
-    auto summary = plan(**files);
+    auto summary = plan_program(command, *workplace, **files);
     if (!summary) return summary;
     if (auto written = (*files)->commit(); !written) return fail(written.error());
     if (!command.summary.empty())
         if (auto written = pipeline::write_text_file(command.summary, to_json(*summary)); !written)
             return fail(written.error());
     return summary;
-}
-
-Result<pipeline::Summary> run(const PlanCommand& command) {
-    if (needs_whole_program(command)) {
-        auto job = load(command.job);
-        if (!job) return fail(job.error());
-        job->options.path_samples = !command.path.empty();
-        return plan_into_files(command, *job, [&](auto& files) { return plan_whole(command, *job, files); });
-    }
-    auto workplace = load_workplace(command.job);
-    if (!workplace) return fail(workplace.error());
-    workplace->options.path_samples = !command.path.empty();
-    return plan_into_files(command, *workplace, [&](auto& files) { return plan_in_parts(command, *workplace, files); });
 }
 
 int plan_and_report(const PlanCommand& command) {

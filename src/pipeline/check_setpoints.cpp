@@ -5,32 +5,28 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/output_file.hpp"
-#include "trunnion/path/rotary_stands.hpp"
-#include "trunnion/smoothing/pole_tolerance.hpp"
-#include "trunnion/verify/programmed_path.hpp"
 #include "trunnion/verify/setpoint_table.hpp"
 
 namespace trunnion::pipeline {
 
 using nlohmann::ordered_json;
 
-Result<verify::Verdict> check_setpoints(const std::filesystem::path& setpoints, const program::Program& program,
+Result<verify::Verdict> check_setpoints(const std::filesystem::path& setpoints,
+                                        const std::vector<verify::ProgrammedPose>& programmed,
                                         const machine::Machine& machine, const machine::Setup& setup,
                                         const smoothing::SmoothingOptions& tolerances) {
     auto text = files::read_whole_file(setpoints);
     if (!text) return fail(text.error());
     auto table = verify::read_setpoint_csv(*text, machine, setpoints.string());
     if (!table) return fail(table.error());
-    const auto stands = path::choose_rotary_stands(program, machine, setup, smoothing::pole_tolerance_rad(tolerances));
-    if (!stands) return fail(stands.error());
-    auto poses = verify::programmed_poses(program, machine, setup, *stands);
-    if (!poses) return fail(poses.error());
+    text->clear();
+    text->shrink_to_fit();
     verify::CheckOptions options;
     options.tip_tolerance_mm = tolerances.tip_tolerance_mm;
     options.orientation_tolerance_rad = tolerances.orientation_tolerance_rad;
     options.flank_tolerance_mm = tolerances.flank_tolerance_mm;
     options.flank_height_mm = tolerances.flank_height_mm;
-    return verify::check(*table, *poses, machine, setup, options);
+    return verify::check(*table, programmed, machine, setup, options);
 }
 
 std::string report(const verify::Verdict& v) {

@@ -25,7 +25,6 @@ using program::MoveKind;
 using program::OrientationLaw;
 using program::Space;
 
-constexpr std::size_t most_poses = 10'000'000;
 constexpr int deepest_cut = 40;
 constexpr double longest_turn_of_chord_rad = 0.5;
 constexpr double part_margin = 1.002;  // parts are a little shorter than they need be, so that they pass at once
@@ -108,8 +107,13 @@ struct Leg {
 class Expansion {
   public:
     Expansion(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
-              std::span<const program::RotaryStand> stands)
-        : program_(program), machine_(machine), setup_(setup), stands_(stands), chain_(machine, setup.workpiece) {}
+              std::span<const program::RotaryStand> stands, const std::optional<Rotary>& standing)
+        : program_(program),
+          machine_(machine),
+          setup_(setup),
+          stands_(stands),
+          standing_(standing),
+          chain_(machine, setup.workpiece) {}
 
     Result<std::vector<ProgrammedPose>> run() {
         if (program_.moves.empty()) return fail(diagnose(0, "VER0101", "the program has no moves"));
@@ -289,6 +293,7 @@ class Expansion {
     /// Where a rotary axis stands before the move that is being added.
     std::optional<double> standing_at(int rotary) const {
         if (!poses_.empty()) return rotary_ ? std::optional((*rotary_)[rotary]) : std::nullopt;
+        if (standing_) return (*standing_)[rotary];
         const auto start = setup_.start.find(machine_.axes[machine_.linear_count() + rotary].letter);
         return start == setup_.start.end() ? 0.0 : start->second;
     }
@@ -461,7 +466,7 @@ class Expansion {
     Result<void> add_chords(const Leg& leg, double from, const ProgrammedPose from_pose, double to,
                             const ProgrammedPose& to_pose, int depth) {
         const double parts = parts_of(leg, from, from_pose, to, to_pose);
-        if (!(parts <= most_poses)) return fail(too_many_poses(to_pose.line));
+        if (!(parts <= most_programmed_poses)) return fail(too_many_poses(to_pose.line));
         if (parts == 1 || depth == deepest_cut) return push(to_pose);
         ProgrammedPose begin = from_pose;
         double begin_share = from;
@@ -508,7 +513,7 @@ class Expansion {
     Result<void> push(const ProgrammedPose& pose) {
         if (!poses_.empty() && pose.kind != PoseKind::rotary && opposite(poses_.back().axis, pose.axis))
             return fail(half_a_turn(pose.line));
-        if (poses_.size() >= most_poses) return fail(too_many_poses(pose.line));
+        if (poses_.size() >= most_programmed_poses) return fail(too_many_poses(pose.line));
         poses_.push_back(pose);
         return {};
     }
@@ -517,6 +522,7 @@ class Expansion {
     const machine::Machine& machine_;
     const machine::Setup& setup_;
     std::span<const program::RotaryStand> stands_;
+    const std::optional<Rotary>& standing_;
     Chain chain_;
     std::vector<int> rotary_of_word_;
     std::vector<bool> stops_after_;
@@ -533,8 +539,9 @@ class Expansion {
 
 Result<std::vector<ProgrammedPose>> programmed_poses(const program::Program& program, const machine::Machine& machine,
                                                      const machine::Setup& setup,
-                                                     std::span<const program::RotaryStand> stands) {
-    return Expansion(program, machine, setup, stands).run();
+                                                     std::span<const program::RotaryStand> stands,
+                                                     const std::optional<Rotary>& standing) {
+    return Expansion(program, machine, setup, stands, standing).run();
 }
 
 }  // namespace trunnion::verify

@@ -5,6 +5,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "trunnion/pipeline/check_setpoints.hpp"
+#include "trunnion/pipeline/programmed.hpp"
+#include "trunnion/verify/check.hpp"
+#include "trunnion/verify/setpoint_table.hpp"
+
 #include "planned.hpp"
 
 namespace trunnion::pipeline {
@@ -159,6 +164,58 @@ TEST(PlanInParts, goes_on_as_the_axes_stand) {
             ASSERT_LT(std::abs(rows[k].position[i] - rows[k - 1].position[i]),
                       1.001e-3 * whole.machine.axes[i].feed.velocity)
                 << k << " axis " << i;
+}
+
+/// Pairs of passes at one azimuth, the second with a tilt that one branch alone can do: the first, looked at alone, is
+/// nearer by the other branch.
+std::string pairs_of_passes(int count) {
+    std::string text = "UNITS/MM\nMULTAX/ON\nRAPID\nGOTO/0,0,50,0.295520207,0,0.955336489\nFEDRAT/2000,MMPM\n";
+    for (int k = 0; k < count; ++k) {
+        const double tilt = k % 2 == 0 ? 0.3 : 0.9;
+        for (int i = -1; i <= 6; ++i) {
+            const double c = 1.92 * (k / 2 + 1) + 0.02 * std::max(i, 0);
+            text += i < 0 ? "RAPID\n" : "";
+            text += fmt::format("GOTO/{},{},{:.4f},{:.9f},{:.9f},{:.9f}\n", 2 * std::max(i, 0), k,
+                                i < 0 ? 50 : std::sin(0.5 * i), std::sin(tilt) * std::cos(c),
+                                std::sin(tilt) * std::sin(c), std::cos(tilt));
+        }
+    }
+    return text + "FINI\n";
+}
+
+double largest_stand_difference_rad(const std::vector<verify::ProgrammedPose>& a,
+                                    const std::vector<verify::ProgrammedPose>& b) {
+    double out = 0;
+    for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+        for (std::size_t r = 0; r < a[k].rotary_rad.size(); ++r)
+            if (std::isfinite(a[k].rotary_rad[r]) && std::isfinite(b[k].rotary_rad[r]))
+                out = std::max(out, std::abs(a[k].rotary_rad[r] - b[k].rotary_rad[r]));
+    return out;
+}
+
+/// What is checked has branch and winding of the parts, not of the whole.
+TEST(PlanInParts, is_checked_by_the_poses_of_the_same_parts) {
+    machine::Machine machine = files::read_machine(test_table, "test.toml").value();
+    machine.axes[3].range_min = -0.5;
+    const Planned whole(machine, pairs_of_passes(12));
+    ASSERT_TRUE(whole.summary) << to_string(whole.summary.error());
+    const smoothing::SmoothingOptions tolerances = PlanOptions{}.smoothing;
+    Cut cut(whole.program, 1), again(whole.program, 1), uncut(whole.program, 1000);
+    const InParts parts(whole.machine, cut);
+    ASSERT_TRUE(parts.summary) << to_string(parts.summary.error());
+    const auto of_parts = programmed_poses(again, whole.machine, {}, tolerances);
+    const auto of_whole = programmed_poses(uncut, whole.machine, {}, tolerances);
+    ASSERT_TRUE(of_parts && of_whole);
+    EXPECT_EQ(of_parts->poses.size(), of_whole->poses.size());
+    EXPECT_GT(largest_stand_difference_rad(of_parts->poses, of_whole->poses), 1) << "else nothing is tested here";
+    const auto table = verify::setpoint_table(parts.recorder.rows);
+    ASSERT_TRUE(table);
+    verify::CheckOptions options;
+    options.tip_tolerance_mm = tolerances.tip_tolerance_mm;
+    options.orientation_tolerance_rad = tolerances.orientation_tolerance_rad;
+    const auto verdict = verify::check(*table, of_parts->poses, whole.machine, {}, options);
+    ASSERT_TRUE(verdict) << to_string(verdict.error());
+    EXPECT_TRUE(verdict->ok) << pipeline::report(*verdict);
 }
 
 TEST(PlanInParts, says_the_error_of_the_reader_behind_what_came_before) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,14 +51,20 @@ inline constexpr double stand_axis_tolerance_rad = 2e-6;
 /// So far the axes of a stand may be from literal words.
 inline constexpr double stand_word_tolerance_rad = 1e-9;
 
+/// More are not given at once.
+inline constexpr std::size_t most_programmed_poses = 10'000'000;
+
 /// The poses that a program asks for, in order: one a move, and as many chords as it takes for arcs, curves and for
 /// moves in machine and untransformed space.
 ///
 /// `stands`: where the rotary axes stand at the end of every move, or none. They are not taken on trust: they must be
 /// the program's words under law rotary, and bring the programmed tool axis under law vector.
 ///
+/// `standing`: the rotary axes stand so before the program, which is a part behind another one; NaN and none: at
+/// Setup::start, else at 0.
+///
 /// Tool axes come from rotary words by the checker's own forward kinematics. Rotary axes that the program never names
-/// stand at Setup::start, else at 0; those without a word since a move of law vector where the stands say. rotary_rad
+/// stand as before the program; those without a word since a move of law vector where the stands say. rotary_rad
 /// is there for every pose that the words determine, for re-branched rapids, and for the pose before each of them:
 /// along these the rotary axes go linearly. It is NaN for all others.
 /// Rapids in workpiece space are `rotary` where they have rotary words or are re-branched, else `rapid`. Coordinates
@@ -73,8 +81,9 @@ inline constexpr double stand_word_tolerance_rad = 1e-9;
 /// part of a curve that does not exist, is not one of a sound curve within one knot interval, does not lead from the
 /// end of the move before to that of its own within 1 µm (and the same at `chord_height_mm`), or says a direction
 /// without TCP. Cost: about 0.2 µs a straight move, 1 µs a chord.
-Result<std::vector<ProgrammedPose>> programmed_poses(const program::Program& program, const machine::Machine& machine,
-                                                     const machine::Setup& setup,
-                                                     std::span<const program::RotaryStand> stands = {});
+Result<std::vector<ProgrammedPose>> programmed_poses(
+    const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
+    std::span<const program::RotaryStand> stands = {},
+    const std::optional<std::array<double, machine::max_rotary_axes>>& standing = {});
 
 }  // namespace trunnion::verify
