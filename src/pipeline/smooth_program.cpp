@@ -158,12 +158,22 @@ class ProgramSmoother {
         return control != in_.path_controls.end() && control->before_move == move;
     }
 
-    /// Whether a block begins with a point of its own: another feed, another offset, an event, or a feed by time.
+    /// Whether a block begins with a point of its own: another feed, another offset, an event.
     bool begins_with_point(const path::BlockSpan& span, const path::BlockSpan& before) const {
         const Move &to = move_of(span), &from = move_of(before);
-        return span.feed != before.feed || span.feed.rule != FeedRule::tip_speed || to.offset != from.offset ||
+        return changes_feed(span, before) || to.offset != from.offset ||
                something_happens_before(move_of_block_[span.run_block]) || starts_or_ends_following(span, before);
     }
+
+    /// Turns keep their own rate. By time it is the speed that counts, and times are rounded.
+    static bool changes_feed(const path::BlockSpan& span, const path::BlockSpan& before) {
+        constexpr double same_speed = 0.05;
+        if (span.feed.rule != before.feed.rule || span.feed.rule == FeedRule::rotary_rate) return true;
+        if (span.feed.rule != FeedRule::block_time) return span.feed != before.feed;
+        return std::abs(std::log(seconds_per_mm(span) / seconds_per_mm(before))) > same_speed;
+    }
+
+    static double seconds_per_mm(const path::BlockSpan& span) { return span.feed.value / span.time_scale_mm; }
 
     /// Whether a following axis goes along with one of two blocks alone.
     bool starts_or_ends_following(const path::BlockSpan& span, const path::BlockSpan& before) const {
@@ -229,7 +239,8 @@ class ProgramSmoother {
                 if (!std::isnan(programmed_end.rotary_rad[i])) move.rotary_rad[i] = programmed_end.rotary_rad[i];
         }
         move.exact_stop = last && programmed_end.exact_stop;
-        move.feed = feed_of(span, begin, end, from, to, curve);
+        move.feed = feed_of(span, begin, end, curve);
+        if (span.feed.rule == FeedRule::block_time) move.feed.value = block_time_s(path, from, to);
         out_.program.moves.push_back(move);
         follow(path, to);
         ++out_.written_moves;
@@ -299,14 +310,20 @@ class ProgramSmoother {
         return out;
     }
 
-    /// The speed that the block had; by time or by turns it becomes the time of this part.
+    /// Of all blocks between two places, each by the share that lies there.
+    static double block_time_s(const path::ToolPath& path, double from_mm, double to_mm) {
+        double out = 0;
+        for (const path::BlockSpan* span = &span_at(path, from_mm);
+             span != path.blocks.data() + path.blocks.size() && span->begin_mm < to_mm; ++span)
+            out += seconds_per_mm(*span) * (std::min(to_mm, span->end_mm) - std::max(from_mm, span->begin_mm));
+        return out;
+    }
+
+    /// The speed that the block had; turns become the time of this part.
     static program::Feed feed_of(const path::BlockSpan& span, const StretchCurve::Pose& from,
-                                 const StretchCurve::Pose& to, double from_mm, double to_mm,
-                                 const StretchCurve& curve) {
+                                 const StretchCurve::Pose& to, const StretchCurve& curve) {
         constexpr double still_mm = 1e-6;
         switch (span.feed.rule) {
-            case FeedRule::block_time:
-                return {FeedRule::block_time, span.feed.value * (to_mm - from_mm) / span.time_scale_mm};
             case FeedRule::rotary_rate: {
                 const bool goes = (to.tip_mm - from.tip_mm).norm() > still_mm;
                 const double turn = curve.by_vectors()

@@ -107,19 +107,31 @@ TEST(SmoothProgram, keeps_events_and_feeds_at_their_places) {
     }
 }
 
+/// Times as a post rounds them, and half the speed from move 500 on.
 TEST(SmoothProgram, times_of_blocks_add_up) {
     Program program = rim(OrientationLaw::vector);
-    for (Move& move : program.moves)
-        if (move.kind == MoveKind::feed) move.feed = {FeedRule::block_time, 0.01};
-    const auto smoothed = smooth_program(program, five_axes(), {}, {}, SmoothedForm::curves);
-    ASSERT_TRUE(smoothed) << to_string(smoothed.error());
-    double time = 0;
-    for (const Move& move : smoothed->program.moves)
-        if (move.kind == MoveKind::feed) time += move.feed.value;
-    EXPECT_NEAR(time, 7.2, 1e-6);
+    for (std::size_t k = 2; k < program.moves.size(); ++k)
+        program.moves[k].feed = {FeedRule::block_time,
+                                 (k < 500 ? 0.01 : 0.02) * (1 + 0.01 * static_cast<double>(k % 3))};
+    double asked = 0;
+    for (const Move& move : program.moves) asked += move.feed.value;
+    for (const SmoothedForm form : {SmoothedForm::points, SmoothedForm::curves}) {
+        const auto smoothed = smooth_program(program, five_axes(), {}, {}, form);
+        ASSERT_TRUE(smoothed) << to_string(smoothed.error());
+        const auto& moves = smoothed->program.moves;
+        EXPECT_LT(moves.size(), 250u) << "not a point for every block";
+        double time = 0;
+        for (const Move& move : moves) time += move.feed.value;
+        EXPECT_NEAR(time, asked, 1e-6);
+        for (std::size_t k = 3; k < moves.size(); ++k) {
+            const double mm_s = (moves[k].position_mm - moves[k - 1].position_mm).norm() / moves[k].feed.value;
+            const double full = 20 * 0.5 * degree / 0.0101;
+            const bool slow = std::abs(mm_s - full / 2) < 0.03 * full;
+            EXPECT_TRUE(slow || std::abs(mm_s - full) < 0.03 * full) << k << ": " << mm_s << " of " << full;
+        }
+    }
 }
 
-/// Lone corners and tools that do not turn are left to the control.
 TEST(SmoothProgram, keeps_what_needs_no_smoothing) {
     Program corner = rim(OrientationLaw::vector);
     corner.moves.resize(4);
