@@ -124,15 +124,15 @@ double StretchSource::share(std::size_t block) const {
 }
 
 /// Where the rotary axes are before a stretch: where the last one left them, but at the pole as the moves to come want
-/// the axis that is free there.
+/// the axis that is free there. (Behind a rounded corner a stretch begins beside its vertex.)
 RotaryPosition StretchSource::standing_before(const path::ToolPath& tool_path) const {
     RotaryPosition out{};
     for (int a = 0; a < machine_->rotary_count; ++a) out[a] = at_[machine_->linear_count() + a];
     if (run_.stands.empty()) return out;
-    const std::size_t vertex = tool_path.blocks.front().run_block;
-    const auto& axis = run_.vertices[vertex].orientation;
-    const bool free = tool_path.kinematics->rotary_for({axis[0], axis[1], axis[2]}).degenerate;
-    return moved_ && !free ? out : run_.stands[vertex];
+    const auto begin = path::evaluate(tool_path.pieces.front(), 0);
+    const Eigen::Vector3d axis(begin[3].value(), begin[4].value(), begin[5].value());
+    const bool free = tool_path.kinematics->rotary_for(axis.normalized()).degenerate;
+    return moved_ && !free ? out : run_.stands[tool_path.blocks.front().run_block];
 }
 
 /// A stretch that does not begin where the axes stand. Rounding may lead the tool past the pole on the other side than
