@@ -27,6 +27,11 @@ Result<Surroundings> Surroundings::make(const Program& program, const machine::M
                                         const machine::Setup& setup) {
     if (program.moves.empty())
         return fail({.code = "PATH0001", .text = "the program moves nothing", .place = {.file = program.source}});
+    if (!program.surface_jobs.empty())
+        return fail({.code = "PATH0011",
+                     .text = "the program has surfaces to be machined whose passes are not laid yet",
+                     .place = {.file = program.source, .line = program.surface_jobs.front().line},
+                     .hint = "pipeline::expand_surfaces() lays them"});
     for (const Move& move : program.moves)
         if (is_far(move))
             return fail(

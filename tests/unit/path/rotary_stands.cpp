@@ -278,6 +278,9 @@ TEST(RotaryStands, rapids_with_opposite_tool_axes_turn_the_axes_themselves) {
 TEST(RotaryStands, refuses_what_cannot_be_reached_or_named) {
     auto machine = trunnion_table();
     EXPECT_EQ(choose_rotary_stands(Program{}, machine, {}).error().code, "PATH0001");
+    Program surfaces = program_of({words({}, 0, 0)});
+    surfaces.surface_jobs.emplace_back();
+    EXPECT_EQ(choose_rotary_stands(surfaces, machine, {}).error().code, "PATH0011");
     Program program = program_of({words({}, 0, 0)});
     program.rotary_letters = {'B'};
     EXPECT_EQ(choose_rotary_stands(program, machine, {}).error().code, "PATH0006");

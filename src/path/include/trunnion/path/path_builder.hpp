@@ -30,7 +30,7 @@ struct Surrounding;
 /// Errors: PATH0001 no motion, PATH0002 tool not in the setup, PATH0003 work offset not in the setup, PATH0006 rotary
 /// words on a machine without such an axis, PATH0008 an arc in untransformed coordinates where the linear axes do not
 /// stand at right angles, PATH0009 an arc that begins on its own axis, PATH0010 a move beyond or longer than 10 km, or
-/// not finite, PATH0121 … PATH0123 and PATH0125 a curve or a part of it that cannot be followed (PATH0121 no such part
+/// not finite, PATH0011 surfaces whose passes are not laid, PATH0121 … PATH0123 and PATH0125 a curve or a part of it that cannot be followed (PATH0121 no such part
 /// or curve, PATH0122 the curve is none, PATH0123 the part is empty, outside or goes over a knot, PATH0125 a tool axis
 /// that vanishes or is given without TCP), PATH0124 a part that does not begin where the move before ends, or end where
 /// its move does, within 1 µm and the same at the reference height; and those of Kinematics::make.

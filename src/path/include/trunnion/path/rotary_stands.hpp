@@ -34,7 +34,7 @@ namespace trunnion::path {
 /// The path between poses is otherwise the programmed one. Ranges are looked at every 2° of turn: AxisPath judges the
 /// path that is moved.
 ///
-/// Errors: PATH0001, PATH0002, PATH0003, PATH0006, PATH0010 as PathBuilder, those of Kinematics::make; PATH0005
+/// Errors: PATH0001, PATH0002, PATH0003, PATH0006, PATH0010, PATH0011 as PathBuilder, those of Kinematics::make; PATH0005
 /// opposite tool axes; PATH0101 orientation out of reach; PATH0102 no choice keeps the axes inside their ranges: which
 /// one leaves first on the way that lasts longest, and after which retract and turn it would go on; PATH0103 the
 /// programmed path passes the pole too closely to follow. Cost: 0.5-1 µs a move, linear; 60 bytes a move. Source:
