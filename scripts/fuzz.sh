@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds a reader with mutated input: scripts/fuzz.sh READER SECONDS [libFuzzer option…]
-# READER: apt, rs274, sinumerik, heidenhain, fanuc, machine_file, setup_file, controller_file, setpoints. What it learns stays in build/fuzz/corpus/READER, so that
+# READER: apt, rs274, sinumerik, heidenhain, fanuc, machine_file, setup_file, controller_file, surface_file, setpoints. What it learns stays in build/fuzz/corpus/READER, so that
 # a second run goes on. A find stops it and is kept in build/fuzz/finds/READER; exit status 0 where there is none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -34,12 +34,14 @@ case $reader in
   machine_file) seed tests/reject '*.toml'; seed data/machines '*.toml' ;;
   setup_file) seed tests/reject '*setup*.toml'; seed examples '*.toml' ;;
   controller_file) seed tests/reject 'controller_*.toml'; seed data/controllers '*.toml'; seed examples '*control*.toml' ;;
+  surface_file) seed tests/reject 'surface_*.toml'; seed examples '*.toml'; seed tests/docs '*.toml' ;;
   setpoints) seed "$shared/data/cases" '*.csv'; longest=2048 ;;
 esac
 for kept in "tests/fuzz/seeds/$reader" "tests/fuzz/finds/$reader"; do seed "$kept" '*'; done
 
 status=0
-ASAN_OPTIONS=allocator_may_return_null=1 build/fuzz/tests/fuzz/fuzz_"$reader" "$corpus" "$seeds" \
+# A small quarantine: else freed memory is counted as if it were in use.
+ASAN_OPTIONS=allocator_may_return_null=1:quarantine_size_mb=16 build/fuzz/tests/fuzz/fuzz_"$reader" "$corpus" "$seeds" \
   -dict="tests/fuzz/dictionaries/$reader.dict" -artifact_prefix="$finds/" -max_total_time="$seconds" -timeout=10 \
   -rss_limit_mb=2048 -max_len="$longest" -print_final_stats=1 "$@" || status=$?
 if [ "$status" -ne 0 ]; then

@@ -20,6 +20,7 @@ constexpr Entry all[] = {
     {"machine_file", take_machine_file},
     {"setup_file", take_setup_file},
     {"controller_file", take_controller_file},
+    {"surface_file", take_surface_file},
     {"setpoints", take_setpoints},
 };
 

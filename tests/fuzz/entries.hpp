@@ -30,6 +30,7 @@ void take_program(std::string_view dialect, std::string_view bytes);
 void take_machine_file(std::string_view bytes);
 void take_setup_file(std::string_view bytes);
 void take_controller_file(std::string_view bytes);
+void take_surface_file(std::string_view bytes);
 void take_setpoints(std::string_view bytes);
 
 }  // namespace trunnion::fuzz

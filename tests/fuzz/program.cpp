@@ -48,8 +48,32 @@ void expect_sound(const program::Curve& curve) {
     for (const auto& axis : curve.axis) expect(axis.allFinite(), "control vectors are finite");
 }
 
+void expect_sound(const program::Surface& surface) {
+    const auto direction = [](int degree, const std::vector<double>& knots) {
+        expect(degree >= 1 && degree <= 7, "degrees of surfaces are low");
+        expect(std::ranges::is_sorted(knots), "knots of surfaces do not fall");
+        return knots.size() - std::size_t(degree) - 1;
+    };
+    const std::size_t points =
+        direction(surface.degree_u, surface.knots_u) * direction(surface.degree_v, surface.knots_v);
+    expect(surface.position_mm.size() == points, "knots and control points of a surface fit");
+    expect(surface.weights.empty() || surface.weights.size() == points, "weights of a surface are whole");
+    for (const double weight : surface.weights) expect(weight > 0 && std::isfinite(weight), "weights are positive");
+    for (const auto& point : surface.position_mm) expect(point.allFinite(), "control points are finite");
+}
+
+void expect_sound(const program::SurfaceJob& job, const program::Program& program) {
+    expect(job.surface >= 0 && std::size_t(job.surface) < program.surfaces.size(), "surfaces are known");
+    expect(job.before_move >= 1 && job.before_move <= program.moves.size(), "surfaces fall among the moves");
+    expect(job.tool < program.tools.size() && job.offset < program.offsets.size(), "tools of surfaces are known");
+    for (const double length : {job.scallop_mm, job.chord_tolerance_mm, job.lift_mm, job.retract_mm})
+        expect(length > 0 && std::isfinite(length), "lengths of surfaces are positive");
+    for (const double speed : {job.feed_mm_s, job.approach_mm_s})
+        expect(speed >= 0 && std::isfinite(speed), "feeds of surfaces are finite");
+}
+
 void expect_sound(const program::Program& program) {
-    expect(program.moves.size() >= 2, "a program that is read moves something");
+    expect(program.moves.size() >= (program.surface_jobs.empty() ? 2 : 1), "a program that is read moves something");
     expect(program.moves.front().position_mm.allFinite(), "the first place is known whole");
     for (const program::Move& move : program.moves) expect_sound(move, program);
     for (const program::Arc& arc : program.arcs) {
@@ -64,6 +88,10 @@ void expect_sound(const program::Program& program) {
     expect(program.following.size() == program.moves.size() * program.following_letters.size(),
            "every move has a row of following axes");
     for (const double at_mm : program.following) expect(std::isfinite(at_mm), "following axes are finite");
+    for (const program::Surface& surface : program.surfaces) expect_sound(surface);
+    for (const program::SurfaceJob& job : program.surface_jobs) expect_sound(job, program);
+    expect(std::ranges::is_sorted(program.surface_jobs, {}, &program::SurfaceJob::before_move),
+           "surfaces are in order");
     expect(std::ranges::is_sorted(program.events, {}, &program::Event::before_move), "events are in order");
     for (const program::Event& event : program.events) {
         expect(event.before_move <= program.moves.size(), "events fall among the moves");
