@@ -1,7 +1,10 @@
 #!/usr/bin/env bash
 # Installs what Trunnion needs on a Debian 12 machine: Debian's packages, as root or with sudo, and, for the page of `trunnion
 # report`, the Node.js packages of web/package-lock.json. Does nothing, in well under a second, where all of it is there.
-#   scripts/install_dependencies.sh [--browser] [--developer]     --browser: Chromium, for the tests of the page
+#   scripts/install_dependencies.sh [--browser] [--python] [--docs] [--developer]
+#                                                 --browser: Chromium, for the tests of the page
+#                                                 --python: what the Python module and its tests need
+#                                                 --docs: Sphinx and Doxygen, for scripts/build_docs.sh
 #                                                 --developer: also clang 19 with its sanitizers and libFuzzer, clang-tidy,
 #                                                 clang-format, gcovr
 set -euo pipefail
@@ -9,8 +12,15 @@ packages=(g++ cmake ninja-build ccache pkg-config zlib1g-dev libeigen3-dev libfm
           nlohmann-json3-dev libgtest-dev libbenchmark-dev coinor-libclp-dev python3 python3-numpy
           libceres-dev libocct-data-exchange-dev)
 developer=(clang-19 libclang-rt-19-dev clang-tidy-19 clang-format-19 gcovr)
+python=(python3-dev pybind11-dev python3-pytest python3-matplotlib python3-nlopt python3-distributed)
+docs=(doxygen python3-sphinx python3-myst-parser furo)
 for option in "$@"; do
-  case $option in --developer) packages+=("${developer[@]}" chromium) ;; --browser) packages+=(chromium) ;; esac
+  case $option in
+    --developer) packages+=("${developer[@]}" chromium) ;;
+    --browser) packages+=(chromium) ;;
+    --python) packages+=("${python[@]}") ;;
+    --docs) packages+=("${docs[@]}") ;;
+  esac
 done
 # Node.js may be there from elsewhere than Debian.
 command -v node >/dev/null && command -v npm >/dev/null || packages+=(nodejs npm)
