@@ -28,7 +28,7 @@ Result<Checked> run(const CheckCommand& command) {
     const auto workplace = load_workplace(command.job);
     if (!workplace) return fail(workplace.error());
     const auto& [machine, setup, options, assumed] = *workplace;
-    auto parts = open_program(command.job, machine);
+    auto parts = open_program(command.job, *workplace);
     if (!parts) return fail(parts.error());
     auto programmed = pipeline::programmed_poses(**parts, machine, setup, options.smoothing);
     if (!programmed) return fail(programmed.error());

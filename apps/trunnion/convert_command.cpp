@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "trunnion/files/shipped_machines.hpp"
 #include "trunnion/nc/read.hpp"
 #include "trunnion/pipeline/convert.hpp"
+#include "trunnion/pipeline/expand_surfaces.hpp"
 
 #include "commands.hpp"
 #include "job.hpp"
@@ -32,6 +34,21 @@ struct Source {
     machine::Setup setup;
 };
 
+/// Surfaces become the moves of their passes, which is told.
+Result<program::Program> without_surfaces(program::Program program, const machine::Setup& setup) {
+    const std::size_t jobs = program.surface_jobs.size();
+    if (jobs == 0) return program;
+    const int line = program.surface_jobs.front().line;
+    auto expanded = pipeline::expand_surfaces(std::move(program), setup);
+    if (!expanded) return expanded;
+    expanded->diagnostics.push_back({.code = "PIPE0121",
+                                     .severity = Severity::warning,
+                                     .text = "the passes of surfaces are written as straight moves",
+                                     .place = {.file = expanded->source, .line = line},
+                                     .count = static_cast<int>(jobs)});
+    return expanded;
+}
+
 Result<Source> read_source(const ConvertCommand& command) {
     Source out;
     if (!command.machine.empty()) {
@@ -51,6 +68,8 @@ Result<Source> read_source(const ConvertCommand& command) {
     if (command.units == "mm") reading.units = nc::Units::mm;
     if (command.units == "inch") reading.units = nc::Units::inch;
     auto program = nc::read_program_file(command.program, reading);
+    if (!program) return fail(program.error());
+    program = without_surfaces(std::move(*program), out.setup);
     if (!program) return fail(program.error());
     out.program = std::move(*program);
     return out;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "trunnion/files/setup_file.hpp"
 #include "trunnion/files/shipped_machines.hpp"
 #include "trunnion/nc/read.hpp"
+#include "trunnion/pipeline/expand_surfaces.hpp"
 
 #include "commands.hpp"
 
@@ -197,17 +199,20 @@ Result<Job> load(const JobOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     auto program = nc::read_program_file(options.program, reading_options(options, workplace->machine));
     if (!program) return fail(program.error());
+    program = pipeline::expand_surfaces(std::move(*program), workplace->setup);
+    if (!program) return fail(program.error());
     const double read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     auto& noticed = program->diagnostics;
     noticed.insert(noticed.end(), workplace->diagnostics.begin(), workplace->diagnostics.end());
     return Job{std::move(*workplace), std::move(*program), read_s};
 }
 
-Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options,
-                                                            const machine::Machine& machine) {
-    nc::ReadOptions reading = reading_options(options, machine);
+Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options, const Workplace& workplace) {
+    nc::ReadOptions reading = reading_options(options, workplace.machine);
     if (is_small(options.program)) reading.parts = in_one_part;
-    return nc::open_program_file(options.program, reading);
+    auto parts = nc::open_program_file(options.program, reading);
+    if (!parts) return parts;
+    return pipeline::expand_surfaces(std::move(*parts), workplace.setup);
 }
 
 void print(const Diagnostic& diagnostic, bool quiet) {

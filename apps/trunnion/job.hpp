@@ -49,8 +49,8 @@ struct Job : Workplace {
 
 Result<Workplace> load_workplace(const JobOptions& options);
 Result<Job> load(const JobOptions& options);
-/// The program part by part, a small one as one: plan and check take the same parts. The machine must stay.
-Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options, const machine::Machine& machine);
+/// The program part by part, a small one as one: plan and check take the same parts. The workplace must stay.
+Result<std::unique_ptr<program::ProgramParts>> open_program(const JobOptions& options, const Workplace& workplace);
 
 /// Folders that hold shipped machine files, best first.
 std::vector<std::filesystem::path> machine_folders();

@@ -45,7 +45,7 @@ class TimedParts final : public program::ProgramParts {
 /// The program is read once more.
 Result<void> write_programmed(const PlanCommand& command, const Workplace& workplace) {
     const auto& machine = workplace.machine;
-    auto parts = open_program(command.job, machine);
+    auto parts = open_program(command.job, workplace);
     if (!parts) return fail(parts.error());
     auto programmed = pipeline::programmed_poses(**parts, machine, workplace.setup, workplace.options.smoothing);
     if (!programmed) return fail(programmed.error());
@@ -54,7 +54,7 @@ Result<void> write_programmed(const PlanCommand& command, const Workplace& workp
 
 Result<pipeline::Summary> plan_program(const PlanCommand& command, const Workplace& workplace,
                                        pipeline::PlanObserver& observer) {
-    auto opened = open_program(command.job, workplace.machine);
+    auto opened = open_program(command.job, workplace);
     if (!opened) return fail(opened.error());
     TimedParts parts(std::move(*opened));
     auto summary = pipeline::plan(parts, workplace.machine, workplace.setup, workplace.options, observer);

@@ -72,6 +72,16 @@ void cut_events(std::size_t last, Program& program, Program& part) {
     for (program::Event& event : program.events) event.before_move -= last;
 }
 
+/// Surfaces stay where they are, as names do: indices of them count for the whole program.
+void cut_surface_jobs(std::size_t last, Program& program, Program& part) {
+    cut(program.surface_jobs, count_up_to(last, program.surface_jobs), part.surface_jobs);
+    for (program::SurfaceJob& job : program.surface_jobs) job.before_move -= last;
+    if (part.surface_jobs.empty())
+        part.surfaces.clear();
+    else
+        part.surfaces = program.surfaces;
+}
+
 void cut_path_controls(std::size_t last, Program& program, Program& part) {
     cut(program.path_controls, count_up_to(last, program.path_controls), part.path_controls);
     for (program::PathControl& control : program.path_controls) control.before_move -= last;
@@ -96,6 +106,7 @@ void cut_behind(std::size_t last, Program& program, Program& part) {
     cut_following(last, program, part);
     cut_events(last, program, part);
     cut_path_controls(last, program, part);
+    cut_surface_jobs(last, program, part);
     program::Move start = part.moves.back();
     start.arc = program::no_arc;
     start.curve_part = program::no_curve_part;

@@ -174,6 +174,7 @@ bool ReadParts::can_end(std::size_t move) {
     const bool stands = size >= options_.parts.to_stop && stands_behind(move);
     const bool must = size >= options_.parts.most;
     if (!(at_rapid || stands || must) || !is_known(program.moves[move])) return false;
+    if (std::ranges::binary_search(program.surface_jobs, move + 1, {}, &program::SurfaceJob::before_move)) return false;
     if (at_rapid || stands) return true;
     reader_->findings().count("NC0019", Severity::warning, {program.moves[move].line, 1}, "stop",
                               fmt::format("{} moves without a rapid or a stop: a standstill is made", move),

@@ -105,6 +105,16 @@ bool is_sinumerik_line(std::string_view line) {
     return false;
 }
 
+/// A word for surfaces, G320 to G324, which the rs274 of this house alone has.
+bool is_surface_line(std::string_view line) {
+    for (; !line.empty() && line.front() != ';' && line.front() != '('; line.remove_prefix(1)) {
+        if (upper(line.front()) != 'G' || !line.substr(1).starts_with("32") || line.size() < 4) continue;
+        const bool ends = line.size() == 4 || (!is_digit(line[4]) && line[4] != '.');
+        if (line[3] >= '0' && line[3] <= '4' && ends) return true;
+    }
+    return false;
+}
+
 /// MillPlus is told by its mark alone: its `B5=` would pass for SINUMERIK.
 bool is_millplus_mark(std::string_view line) {
     return line.starts_with("%PM") || line.starts_with("%MM");
@@ -115,6 +125,7 @@ Dialect which_g_code(std::string_view line, LineScanner lines) {
     const int last = lines.number() + lines_that_may_tell;
     if (is_millplus_mark(line)) return Dialect::fanuc;  // its reader says why it is not read
     do {
+        if (is_surface_line(line)) return Dialect::rs274;
         if (is_sinumerik_line(trimmed(line))) return Dialect::sinumerik;
         if (is_fanuc_line(trimmed(line))) return Dialect::fanuc;
     } while (lines.number() < last && lines.next(line));

@@ -32,7 +32,10 @@ bool Rs274Reader::block() {
                         "take the slash away if it shall be read");
     if (!kept_states_.empty()) states_at_return();
     if (block_.deleted || block_.empty) return true;
-    if (!sort_codes() || !check_letters()) return false;
+    if (surface_words_.is_open()) return surface_datum();
+    if (!sort_codes()) return false;
+    if (request_.of(Group::surface) != Meaning::unknown) return surface_word();
+    if (!check_letters()) return false;
     feed_mode();
     if (!feed() || !spindle_and_tool() || !dwell()) return false;
     units();
@@ -278,7 +281,8 @@ bool Rs274Reader::modes() {
 bool Rs274Reader::motion_word() {
     const Meaning motion = request_.of(Group::motion);
     if (motion == Meaning::unknown) return true;
-    if (request_.takes_axes && motion != Meaning::no_motion && axes_ != 0)
+    const bool wants_axes = axes_ != 0 || motion == Meaning::surface_machining;
+    if (request_.takes_axes && motion != Meaning::no_motion && wants_axes)
         return refuse("NC0343", spot_of(Group::motion), "two words want the axis words of this block",
                       name_of(request_.code_of(Group::motion)),
                       fmt::format("give {} a block of its own", name_of(request_.code_of(Group::shift))));
@@ -289,7 +293,7 @@ bool Rs274Reader::motion_word() {
         cycle_ = {};
         cycle_level_mm_.reset();
     }
-    modal_.motion = motion;
+    modal_.motion = motion == Meaning::surface_machining ? Meaning::no_motion : motion;
     modal_.motion_code = request_.code_of(Group::motion);
     return true;
 }
@@ -358,6 +362,7 @@ bool Rs274Reader::subprogram() {
 
 bool Rs274Reader::finish() {
     if (nurbs_) return refuse("NC0351", block_.at(nurbs_->column), "a NURBS that G5.3 does not end");
+    if (!surface_words_.finish()) return false;
     const std::string_view rest = trimmed(flow_.rest());
     if (rest.find_first_not_of("% \t\r\n") != rest.npos && !flow_.has_subprograms())
         findings_.count("NC0014", Severity::note, block_.at(1), "end",
@@ -366,7 +371,7 @@ bool Rs274Reader::finish() {
         findings_.count("NC0347", Severity::warning, *left_out_home_, "G28",
                         "the way home at the end is left out: where it leads is not known");
     drop_undetermined();
-    if (program_.moves.size() < 2) return never_started();
+    if (program_.moves.size() < 2 && program_.surface_jobs.empty()) return never_started();
     report_units(stated_, options_.units, findings_);
     return true;
 }

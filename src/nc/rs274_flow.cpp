@@ -246,13 +246,14 @@ Rs274Flow::Step Rs274Flow::next(Block& block) {
         const std::size_t start = frame.next;
         const bool at_end = start >= frame.source->text.size();
         if (at_end && frames_.size() == 1) return Step::end;
+        if (at_end) {
+            refuse({{}, {}, frame.line, frame.source->file}, "NC0335", "the text ends within a subprogram", {},
+                   "M99 or endsub ends it");
+            return Step::refused;
+        }
         const std::string_view line = take_line();
         LineCursor cursor{line, skip_blanks(line), frame.line, frame.source->file};
         block.program_line = frame.outer_line != 0 ? frame.outer_line : frame.line;
-        if (at_end) {
-            refuse(cursor, "NC0335", "the text ends within a subprogram", {}, "M99 or endsub ends it");
-            return Step::refused;
-        }
         if (!count_line(start)) {
             refuse(cursor, "NC0338", "the program carries out too many lines again: it may have no end", {},
                    "check the conditions of its loops");

@@ -118,6 +118,8 @@ bool Rs274Reader::check_following(char letter) {
 /// Whether the motion of the block has a use for this letter.
 bool Rs274Reader::uses(char letter) const {
     if (moves_on_arc()) return is_one_of(letter, "IJKPR");
+    if (request_.asks(Group::motion, Meaning::surface_machining))
+        return is_one_of(letter, SurfaceWords::machining_letters);
     const Meaning motion = motion_in_force();
     const bool moves = !request_.takes_axes && (axes_ != 0 || request_.of(Group::motion) != Meaning::unknown);
     if (is_curve(motion) && (moves || nurbs_)) return is_one_of(letter, letters_of_curve(motion));

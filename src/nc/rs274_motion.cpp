@@ -54,6 +54,7 @@ bool Rs274Reader::motion() {
 }
 
 bool Rs274Reader::move_along_path() {
+    if (request_.asks(Group::motion, Meaning::surface_machining)) return machine_surface();
     const bool on_arc = moves_on_arc();
     const bool own_block = request_.of(Group::motion) >= Meaning::cubic_curve;
     if (axes_ == 0 && !on_arc && !own_block && !nurbs_) return true;
@@ -124,6 +125,9 @@ bool Rs274Reader::axis_word(char letter) {
     if (!modal_.absolute && std::isnan(coordinate))
         return refuse("NC0309", block_.spot(letter), "an incremental word from a position that is not known",
                       {&letter, 1}, "say the position once in G90");
+    if (!linear && !program_.surface_jobs.empty() && !is_said(axis))
+        return refuse("NC0067", block_.spot(letter), "a rotary axis is first said behind a surface", {&letter, 1},
+                      "say every rotary axis that the program uses before the first G324");
     const double shift = linear ? word_shift_.mm[static_cast<Eigen::Index>(axis)] : word_shift_.rad[axis];
     coordinate = modal_.absolute ? way + shift : coordinate + way;
     if (!std::isfinite(coordinate))
@@ -143,17 +147,18 @@ bool Rs274Reader::turns_only(const Move& move) const {
     return true;
 }
 
+bool Rs274Reader::has_feed() {
+    if (modal_.feed_per_s != 0 || options_.feed_given_elsewhere) return true;
+    if (modal_.feed_mode == FeedMode::per_turn && modal_.feed_per_turn > 0)
+        return refuse("NC0348", spot_of_motion(), "G95 needs the speed of the spindle", {}, "S before it");
+    if (modal_.feed_mode == FeedMode::inverse_time)
+        return refuse("NC0310", spot_of_motion(), "G93 needs F in every block with G1", {}, "--feed gives one instead");
+    return refuse("NC0205", spot_of_motion(), "a cutting move without a feed", {}, "--feed gives one, or F before it");
+}
+
 bool Rs274Reader::feed_of(Move& move) {
     if (move.kind == program::MoveKind::rapid) return true;
-    if (modal_.feed_per_s == 0 && !options_.feed_given_elsewhere) {
-        if (modal_.feed_mode == FeedMode::per_turn && modal_.feed_per_turn > 0)
-            return refuse("NC0348", spot_of_motion(), "G95 needs the speed of the spindle", {}, "S before it");
-        if (modal_.feed_mode == FeedMode::inverse_time)
-            return refuse("NC0310", spot_of_motion(), "G93 needs F in every block with G1", {},
-                          "--feed gives one instead");
-        return refuse("NC0205", spot_of_motion(), "a cutting move without a feed", {},
-                      "--feed gives one, or F before it");
-    }
+    if (!has_feed()) return false;
     if (modal_.feed_mode == FeedMode::inverse_time && modal_.feed_per_s > 0)
         move.feed = {FeedRule::block_time, 1 / modal_.feed_per_s};
     else if (turns_only(move))
@@ -191,18 +196,20 @@ bool Rs274Reader::never_started() {
                   "say them at the start, like G0 X0 Y0 Z10");
 }
 
+/// Whether every coordinate and every rotary letter that has been said so far is known at its end.
+bool Rs274Reader::is_whole(const Move& move) const {
+    if (move.position_mm.hasNaN()) return false;
+    for (std::size_t i = 0; i < move.rotary_rad.size(); ++i)
+        if (std::isnan(move.rotary_rad[i]) && is_said(i)) return false;
+    return true;
+}
+
 /// Leaves out the moves before the first pose of which every coordinate and every rotary letter that the program uses
 /// is known; a letter stays known.
 void Rs274Reader::drop_undetermined() {
     auto& moves = program_.moves;
-    const auto known = [&](const Move& move) {
-        if (move.position_mm.hasNaN()) return false;
-        for (std::size_t i = 0; i < rotary_rad_.size(); ++i)
-            if (std::isnan(move.rotary_rad[i]) && !std::isnan(rotary_rad_[i])) return false;
-        return true;
-    };
     std::size_t first = 0;
-    while (first < moves.size() && !known(moves[first])) ++first;
+    while (first < moves.size() && !is_whole(moves[first])) ++first;
     if (first == 0) return;
     findings_.count("NC0013", Severity::warning, {moves.front().line, 1}, "start",
                     "moves before the first pose that is known whole are left out", {}, static_cast<int>(first));
@@ -216,6 +223,7 @@ void Rs274Reader::drop_undetermined() {
     for (program::Event& event : program_.events) event.before_move -= std::min(event.before_move, first);
     for (program::PathControl& control : program_.path_controls)
         control.before_move -= std::min(control.before_move, first);
+    for (program::SurfaceJob& job : program_.surface_jobs) job.before_move -= std::min(job.before_move, first);
 }
 
 }  // namespace trunnion::nc

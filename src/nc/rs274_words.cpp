@@ -158,11 +158,29 @@ constexpr WordRule further_m_word(int tenths) {
     return {};
 }
 
+/// Our own words for surfaces: numbers that no control of this dialect and of Fanuc's has.
+constexpr WordRule surface_word(int tenths) {
+    switch (tenths) {
+        case 3200:
+            return {Meaning::surface_net, Group::surface};
+        case 3210:
+            return {Meaning::surface_polynomial, Group::surface};
+        case 3220:
+            return {Meaning::surface_end, Group::surface};
+        case 3230:
+            return {Meaning::surface_conditions, Group::surface};
+        case 3240:
+            return {Meaning::surface_machining, Group::motion};
+        default:
+            return {};
+    }
+}
+
 }  // namespace
 
 WordRule rule_for(const Code& code) noexcept {
     const auto tenths = static_cast<std::size_t>(code.tenths);
-    if (tenths >= table_size) return code.letter == 'M' ? further_m_word(code.tenths) : WordRule{};
+    if (tenths >= table_size) return code.letter == 'M' ? further_m_word(code.tenths) : surface_word(code.tenths);
     return (code.letter == 'G' ? g_table : m_table)[tenths];
 }
 

@@ -52,6 +52,10 @@ Result<std::unique_ptr<ProgramWriter>> writer_of(const program::Program& program
 Result<WriteSummary> write_program(const program::Program& program, const machine::Machine* machine,
                                    const WriteOptions& options, const TextSink& sink) {
     if (auto good = check(options); !good) return fail(good.error());
+    if (!program.surface_jobs.empty())
+        return fail({.code = "NC0068",
+                     .text = "surfaces are not written: their passes come first",
+                     .hint = "pipeline::expand_surfaces lays them"});
     auto writer = writer_of(program, machine, options, sink);
     if (!writer) return fail(writer.error());
     return (*writer)->write();

@@ -20,6 +20,7 @@
 #include "detail/rs274_control.hpp"
 #include "detail/rs274_flow.hpp"
 #include "detail/rs274_words.hpp"
+#include "detail/surface_words.hpp"
 
 namespace trunnion::nc {
 
@@ -115,14 +116,16 @@ inline std::string name_of(const Code& code) {
 
 /// Carries out the blocks of a G-code program. rs274.cpp: words and modes; rs274_letters.cpp: which letters a block may
 /// have; rs274_motion.cpp: where a block goes, how fast, and which poses are kept; rs274_arc.cpp: circles;
-/// rs274_curve.cpp: G5 to G5.3; rs274_cycles.cpp: drilling; rs274_following.cpp: axes that go along; rs274_shift.cpp:
-/// G10, G28, G52, G92; rs274_parameters.cpp: what the program may ask about its own state.
+/// rs274_curve.cpp: G5 to G5.3; rs274_surface.cpp: G320 to G324; rs274_cycles.cpp: drilling; rs274_following.cpp: axes
+/// that go along; rs274_shift.cpp: G10, G28, G52, G92; rs274_parameters.cpp: what the program may ask about its own
+/// state.
 class Rs274Reader final : public BlockReader, private ControlParameters {
   public:
     Rs274Reader(const ProgramText& text, std::string_view file_name, const ReadOptions& options, Control control)
         : BlockReader(file_name, options, Dialect::rs274),
           flow_(text, file_name, *this, findings_, options.most_repeated_lines),
-          control_(std::move(control)) {
+          control_(std::move(control)),
+          surface_words_(findings_) {
         program_.offsets.emplace_back("G54");  // in force when a program starts
         modal_.offset = 1;
         modal_.unit_mm = options.units == Units::inch ? inch_mm : 1;
@@ -138,7 +141,9 @@ class Rs274Reader final : public BlockReader, private ControlParameters {
     bool waits() const override { return nurbs_.has_value(); }
     void leave_out_start() override { drop_undetermined(); }
     char rotary_letter(std::size_t axis) const override { return control_.rotary_letter(axis); }
-    bool is_said(std::size_t axis) const override { return !std::isnan(rotary_rad_[axis]); }
+    bool is_said(std::size_t axis) const override {
+        return !std::isnan(rotary_rad_[axis]) || said_before_surface_[axis];
+    }
 
   private:
     // words and modes
@@ -194,6 +199,7 @@ class Rs274Reader final : public BlockReader, private ControlParameters {
     bool check_arc_words();
     Eigen::Vector3d centre_from(const Eigen::Vector3d& start_mm) const;
     bool turns_only(const program::Move& move) const;
+    bool has_feed();
     bool feed_of(program::Move& move);
     bool add(program::Move& move);
     bool never_started();
@@ -208,6 +214,16 @@ class Rs274Reader final : public BlockReader, private ControlParameters {
     bool nurbs_end();
     bool follow(program::Curve curve);
     Eigen::Vector3d in_plane(char first, char second) const;
+
+    // surfaces
+    bool surface_datum();
+    bool surface_word();
+    bool machine_surface();
+    bool can_machine_surface();
+    bool shares_letters() const;
+    bool stands_somewhere() const;
+    bool is_whole(const program::Move& move) const;
+    void stand_behind_surface();
 
     // cycles
     bool cycle();
@@ -287,6 +303,8 @@ class Rs274Reader final : public BlockReader, private ControlParameters {
     CycleWords cycle_;
     std::optional<double> cycle_level_mm_;  ///< where the axis across the plane stood before a series of cycles
     std::optional<OpenNurbs> nurbs_;
+    SurfaceWords surface_words_;
+    std::array<bool, program::max_rotary_letters> said_before_surface_{};  ///< by the machine's rotary axes
     std::optional<Eigen::Vector3d> end_tangent_mm_;  ///< of a G5 just before: from its end to its second control point
     std::optional<Spot> left_out_home_;
     bool finished_ = false;

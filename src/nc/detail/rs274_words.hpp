@@ -34,6 +34,7 @@ enum class Group : std::uint8_t {
     state,
     user,
     subprogram,
+    surface,
     count
 };
 
@@ -50,6 +51,7 @@ enum class Meaning : std::uint8_t {
     quadratic_curve,
     nurbs,
     nurbs_end,
+    surface_machining,
     cycle,
     no_motion,
     dwell,
@@ -94,7 +96,11 @@ enum class Meaning : std::uint8_t {
     restore_state,
     keep_state_till_return,
     call_program,
-    return_from_program
+    return_from_program,
+    surface_net,
+    surface_polynomial,
+    surface_end,
+    surface_conditions
 };
 
 constexpr bool is_arc(Meaning meaning) {
