@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
 
 #include "trunnion/surfacing/machined_surface.hpp"
+#include "trunnion/surfacing/path_interval.hpp"
+#include "trunnion/surfacing/plan_region.hpp"
 
 namespace trunnion::surfacing {
 
@@ -13,131 +16,206 @@ using geometry::SurfacePlace;
 
 namespace {
 
+SurfacePlace between(const SurfacePlace& a, const SurfacePlace& b, double share) {
+    return {a.u + share * (b.u - a.u), a.v + share * (b.v - a.v)};
+}
+
+/// The place that is some way off on the surface, by its tangent plane.
+std::optional<SurfacePlace> beside(const Face& face, const SurfacePlace& from, const Eigen::Vector3d& way) {
+    const auto shape = shape_at(face.surface, from, face.side);
+    if (!shape) return std::nullopt;
+    const Eigen::Vector2d step = shape->parameters_along(way);
+    return SurfacePlace{from.u + step.x(), from.v + step.y()};
+}
+
+/// Length on the surface of the longest of three lines of one parameter over the face's box, mm.
+double width_mm(const Face& face, int k) {
+    const ParameterBox box = parameter_box(face);
+    double longest = 0;
+    for (const double share : {0.1, 0.5, 0.9}) {
+        Eigen::Vector2d at = box.low;
+        at[1 - k] += share * (box.high - box.low)[1 - k];
+        constexpr int parts = 16;
+        double length = 0;
+        for (int i = 0; i < parts; ++i) {
+            const Eigen::Vector3d from = face.surface.at(at.x(), at.y());
+            at[k] = box.low[k] + (i + 1) * (box.high - box.low)[k] / parts;
+            length += (face.surface.at(at.x(), at.y()) - from).norm();
+        }
+        longest = std::max(longest, length);
+    }
+    return longest;
+}
+
+/// A place on a pass.
+struct PassPlace {
+    SurfacePlace place;
+    Eigen::Vector3d point_mm;
+    double off_mm;  ///< from where it is the nearest
+};
+
 class Check {
   public:
-    Check(const Face& face, const Cutter& cutter, const std::vector<Pass>& passes, const SurfaceCheckOptions& options)
-        : face_(face), options_(options), passes_(passes), cut_(cutter, passes), widest_(2 * cutter.radius_mm()) {}
+    Check(std::span<const Face> faces, const Cutter& cutter, const std::vector<Pass>& passes,
+          const SurfaceCheckOptions& options)
+        : faces_(faces), cutter_(cutter), options_(options), passes_(passes), cut_(cutter, passes) {}
 
     SurfaceVerdict run() {
-        grid();
-        for (const Pass& pass : passes_)
-            if (pass.index >= 0) ridges_beside(pass);
-        if (!ridges_.empty()) {
-            std::ranges::sort(ridges_);
-            verdict_.least_ridge_mm = ridges_.front();
-            verdict_.largest_ridge_mm = ridges_.back();
-            verdict_.median_ridge_mm = ridges_[ridges_.size() / 2];
+        for (const Face& face : faces_) {
+            grid(face);
+            borders(face);
         }
-        verdict_.ridges = ridges_.size();
+        all_ridges();
         return verdict_;
     }
 
   private:
-    std::optional<double> height(const SurfacePlace& place) {
-        const auto shape = shape_at(face_.surface, place, face_.side);
+    std::optional<double> height(const Face& face, const SurfacePlace& place) {
+        const auto shape = shape_at(face.surface, place, face.side);
         if (!shape) return std::nullopt;
-        const double out = cut_.height_mm(shape->point, shape->normal, options_.limit_mm);
-        verdict_.highest_mm = std::max(verdict_.highest_mm, out);
-        verdict_.deepest_mm = std::max(verdict_.deepest_mm, -out);
+        double out = cut_.height_mm(shape->point, shape->normal, options_.limit_mm);
+        // Between rims that meet exactly a line of no width is left, which is no material.
+        constexpr double no_width_mm = 1e-5;
+        const Eigen::Vector3d aside = no_width_mm * (shape->e1 + 0.7 * shape->e2);
+        for (const int side : {-1, 1})
+            if (out > 0.5 * options_.limit_mm)
+                out = cut_.height_mm(shape->point + side * aside, shape->normal, options_.limit_mm);
+        if (out > verdict_.highest_mm) verdict_.highest_mm = out, verdict_.highest_at_mm = shape->point;
+        if (-out > verdict_.deepest_mm) verdict_.deepest_mm = -out, verdict_.deepest_at_mm = shape->point;
         return out;
     }
 
-    void grid() {
-        const ParameterBox box = parameter_box(face_);
+    void grid(const Face& face) {
+        const ParameterBox box = parameter_box(face);
         const Eigen::Vector2d size = box.high - box.low;
-        const auto corner = [&](double a, double b) {
-            return face_.surface.at(box.low.x() + a * size.x(), box.low.y() + b * size.y());
-        };
-        const auto steps = [&](double length) { return std::max(4, static_cast<int>(length / options_.grid_mm)); };
-        const double along_u = (corner(0.5, 0.5) - corner(0, 0.5)).norm() + (corner(1, 0.5) - corner(0.5, 0.5)).norm();
-        const double along_v = (corner(0.5, 0.5) - corner(0.5, 0)).norm() + (corner(0.5, 1) - corner(0.5, 0.5)).norm();
-        const int rows = steps(along_u), columns = steps(along_v);
+        const auto steps = [&](int k) { return std::max(4, static_cast<int>(width_mm(face, k) / options_.grid_mm)); };
+        const int rows = steps(0), columns = steps(1);
         for (int i = 0; i < rows; ++i)
             for (int j = 0; j < columns; ++j) {
                 const SurfacePlace place{box.low.x() + (i + 0.5) / rows * size.x(),
                                          box.low.y() + (j + 0.5) / columns * size.y()};
-                if (contains(face_, place) && height(place)) ++verdict_.heights;
+                if (contains(face, place) && height(face, place)) ++verdict_.heights;
             }
     }
 
-    void ridges_beside(const Pass& pass) {
+    /// Along all loops, on the border and at shares of the tool's radius from it.
+    void borders(const Face& face) {
+        for (const Loop& loop : face.loops) {
+            double since = options_.grid_mm;
+            for (std::size_t i = 0, before = loop.size() - 1; i < loop.size(); before = i++) {
+                const Eigen::Vector2d &a = loop[before], &b = loop[i];
+                const Eigen::Vector3d from = face.surface.at(a.x(), a.y()), to = face.surface.at(b.x(), b.y());
+                const double length = (to - from).norm();
+                for (double gone = options_.grid_mm - since; gone < length; gone += options_.grid_mm) {
+                    border_place(face, between({a.x(), a.y()}, {b.x(), b.y()}, gone / length), to - from);
+                    since = -gone;
+                }
+                since += length;
+            }
+        }
+    }
+
+    void border_place(const Face& face, const SurfacePlace& place, const Eigen::Vector3d& along) {
+        const auto shape = shape_at(face.surface, place, face.side);
+        if (!shape) return;
+        const Eigen::Vector3d across = shape->normal.cross(along).normalized();
+        for (const int side : {-1, 1})
+            for (const double share : {1e-4, 0.02, 0.05, 0.1, 0.2, 0.4}) {
+                const auto at = beside(face, place, side * share * cutter_.radius_mm() * across);
+                if (!at || !contains(face, *at)) break;
+                if (height(face, *at)) ++verdict_.heights;
+            }
+    }
+
+    void all_ridges() {
+        std::map<int, std::vector<const Pass*>> by_index;
+        for (const Pass& pass : passes_)
+            if (pass.index >= 0) by_index[pass.index].push_back(&pass);
+        if (by_index.empty()) return;
+        for (auto next = by_index.begin(), here = next++; next != by_index.end(); here = next++)
+            for (const Pass* pass : here->second) ridges_beside(*pass, next->second);
+        verdict_.ridges = ridges_.size();
+        if (ridges_.empty()) return;
+        std::ranges::sort(ridges_);
+        verdict_.least_ridge_mm = ridges_.front();
+        verdict_.largest_ridge_mm = std::max(verdict_.largest_ridge_mm, ridges_.back());
+        verdict_.median_ridge_mm = ridges_[ridges_.size() / 2];
+    }
+
+    void ridges_beside(const Pass& pass, const std::vector<const Pass*>& next) {
         double since = options_.ridge_spacing_mm;
         for (std::size_t i = 1; i + 1 < pass.contacts.size(); ++i) {
             since += (pass.contacts[i].point_mm - pass.contacts[i - 1].point_mm).norm();
             if (since < options_.ridge_spacing_mm) continue;
             since = 0;
-            const Eigen::Vector3d along = pass.contacts[i + 1].point_mm - pass.contacts[i - 1].point_mm;
-            for (const int side : {-1, 1})
-                if (const auto ridge = ridge_from(pass.contacts[i], side * along.normalized()))
-                    ridges_.push_back(*ridge);
+            if (const auto there = nearest(next, pass.contacts[i])) ridge_between(pass.contacts[i], *there);
         }
     }
 
-    /// A walk over the surface across a pass, by arc length; the direction is carried along.
-    struct Walk {
-        SurfacePlace place;
-        Eigen::Vector3d direction;
-    };
-    std::optional<Walk> stepped(const Walk& from, double length) const {
-        const auto shape = shape_at(face_.surface, from.place, face_.side);
-        if (!shape) return std::nullopt;
-        const Eigen::Vector3d flat = from.direction - from.direction.dot(shape->normal) * shape->normal;
-        const Eigen::Vector2d way = shape->parameters_along(length * flat.normalized());
-        return Walk{{from.place.u + way.x(), from.place.v + way.y()}, flat.normalized()};
+    /// The nearest place of the passes on the contact's face; nothing where that is the end of one.
+    static std::optional<PassPlace> nearest(const std::vector<const Pass*>& passes, const Contact& from) {
+        PassPlace best{.place = {}, .point_mm = {}, .off_mm = 1e300};
+        bool at_end = true;
+        for (const Pass* pass : passes)
+            for (std::size_t k = 0; k + 1 < pass->contacts.size(); ++k) {
+                const Contact &a = pass->contacts[k], &b = pass->contacts[k + 1];
+                if (a.face != from.face || b.face != from.face) continue;
+                const Eigen::Vector3d way = b.point_mm - a.point_mm;
+                const double w = std::clamp((from.point_mm - a.point_mm).dot(way) / way.squaredNorm(), 0.0, 1.0);
+                const Eigen::Vector3d point = a.point_mm + w * way;
+                const double off = (point - from.point_mm).norm();
+                if (!(off < best.off_mm)) continue;
+                best = {between(a.place, b.place, w), point, off};
+                at_end = (k == 0 && w == 0) || (k + 2 == pass->contacts.size() && w == 1);
+            }
+        return at_end ? std::nullopt : std::optional(best);
     }
 
-    bool away_from_borders(const Walk& from, double distance) const {
+    bool away_from_borders(const Face& face, const SurfacePlace& place, double distance) const {
         constexpr int directions = 8;
-        const auto shape = shape_at(face_.surface, from.place, face_.side);
+        const auto shape = shape_at(face.surface, place, face.side);
         for (int k = 0; shape && k < directions; ++k) {
             const double angle = 2 * std::numbers::pi * k / directions;
             const Eigen::Vector3d way = std::cos(angle) * shape->e1 + std::sin(angle) * shape->e2;
-            const auto there = stepped({from.place, way}, distance);
-            if (!there || !contains(face_, there->place)) return false;
+            const auto there = beside(face, place, distance * way);
+            if (!there || !contains(face, *there)) return false;
         }
-        return true;
+        return shape.has_value();
     }
 
-    std::optional<double> ridge_from(const Contact& contact, const Eigen::Vector3d& along) {
-        const auto start = shape_at(face_.surface, contact.place, face_.side);
-        if (!start) return std::nullopt;
-        Walk walk{contact.place, start->normal.cross(along)};
-        constexpr double first_step_mm = 0.02, noise_mm = 5e-4;  // chords are seen too
-        double step = first_step_mm, gone = 0, highest = 0, step_to_highest = 0;
-        Walk before = walk, before_highest = walk;
-        while (gone < widest_) {
-            const auto next = stepped(walk, step);
-            if (!next || !contains(face_, next->place)) return std::nullopt;
-            const auto h = height(next->place);
-            if (!h) return std::nullopt;
-            gone += step;
-            if (*h > highest) {
-                highest = *h;
-                before_highest = before;
-                step_to_highest = gone;
-            } else if (*h < 0.5 * highest && highest > noise_mm) {
-                break;
-            }
-            before = walk;
-            walk = *next;
-            step = std::max(first_step_mm, 0.04 * gone);
+    void ridge_between(const Contact& contact, const PassPlace& other) {
+        const Face& face = faces_[static_cast<std::size_t>(contact.face)];
+        constexpr double widest_radii = 5;  // what is farther apart does not run beside each other
+        if (!(other.off_mm > 1e-6) || other.off_mm > widest_radii * cutter_.radius_mm()) return;
+        constexpr int parts = 16;
+        int highest_part = 0;
+        double highest = -options_.limit_mm;
+        for (int k = 1; k < parts; ++k) {
+            const SurfacePlace at = between(contact.place, other.place, static_cast<double>(k) / parts);
+            if (!contains(face, at)) return;
+            const double h = height(face, at).value_or(0);
+            if (h > highest) highest = h, highest_part = k;
         }
-        if (gone >= widest_) return std::nullopt;
-        if (!away_from_borders(before_highest, 4 * step_to_highest)) return std::nullopt;
-        return top(before_highest, 2.2 * std::max(first_step_mm, 0.04 * step_to_highest));
+        const double share = static_cast<double>(highest_part) / parts;
+        // A pass along a border cuts as far as the tool's end reaches.
+        const double margin = std::max(2 * other.off_mm, 1.1 * cutter_.radius_mm());
+        if (!away_from_borders(face, between(contact.place, other.place, share), margin)) return;
+        const double ridge = std::max(highest, top(face, contact, other, share - 1.0 / parts, share + 1.0 / parts));
+        if (is_at_reach(face, contact, other)) {
+            ++verdict_.at_reach;
+            verdict_.largest_ridge_mm = std::max(verdict_.largest_ridge_mm, ridge);
+        } else {
+            ridges_.push_back(ridge);
+        }
     }
 
-    /// The highest place of the next `length`, where heights rise and then fall, by the golden section.
-    std::optional<double> top(const Walk& from, double length) {
-        double low = 0, high = length;
-        const auto at = [&](double s) {
-            const auto walk = stepped(from, s);
-            return walk ? height(walk->place).value_or(0) : 0;
-        };
+    /// The highest place between two shares of a line, where heights rise and then fall, by the golden section.
+    double top(const Face& face, const Contact& contact, const PassPlace& other, double low, double high) {
+        const auto at = [&](double s) { return height(face, between(contact.place, other.place, s)).value_or(0); };
         constexpr double golden = 0.3819660112501051;
         double a = low + golden * (high - low), b = high - golden * (high - low);
         double at_a = at(a), at_b = at(b);
-        for (int k = 0; k < 16; ++k) {
+        for (int k = 0; k < 12; ++k) {
             if (at_a > at_b) {
                 high = b, b = a, at_b = at_a;
                 a = low + golden * (high - low), at_a = at(a);
@@ -149,11 +227,19 @@ class Check {
         return std::max(at_a, at_b);
     }
 
-    const Face& face_;
+    bool is_at_reach(const Face& face, const Contact& contact, const PassPlace& other) const {
+        const auto shape = shape_at(face.surface, contact.place, face.side);
+        if (!shape) return false;
+        const Eigen::Vector2d across = shape->components(other.point_mm - contact.point_mm).normalized();
+        constexpr double nearly = 0.98;
+        return other.off_mm >= nearly * longest_interval_mm(cutter_, *shape, contact.pose.axis, across);
+    }
+
+    std::span<const Face> faces_;
+    const Cutter& cutter_;
     const SurfaceCheckOptions& options_;
     const std::vector<Pass>& passes_;
     MachinedSurface cut_;
-    double widest_;
     std::vector<double> ridges_;
     SurfaceVerdict verdict_;
 };
@@ -162,7 +248,12 @@ class Check {
 
 SurfaceVerdict check_surface(const Face& face, const Cutter& cutter, const std::vector<Pass>& passes,
                              const SurfaceCheckOptions& options) {
-    return Check(face, cutter, passes, options).run();
+    return check_region({&face, 1}, cutter, passes, options);
+}
+
+SurfaceVerdict check_region(std::span<const Face> faces, const Cutter& cutter, const std::vector<Pass>& passes,
+                            const SurfaceCheckOptions& options) {
+    return Check(faces, cutter, passes, options).run();
 }
 
 }  // namespace trunnion::surfacing

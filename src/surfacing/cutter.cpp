@@ -28,14 +28,22 @@ Result<Cutter> Cutter::make(const machine::Tool& tool, double reach_mm) {
     return out;
 }
 
+MeridianDistance Cutter::in_meridian(double out, double up) const noexcept {
+    const double sideways = out - flat_radius_mm();
+    const double below = corner_ - up, above = up - (reach_ - corner_);
+    const double along = std::max(below, above), along_sign = below > above ? -1.0 : 1.0;
+    if (sideways > 0 && along > 0) {
+        const double outside = std::sqrt(sideways * sideways + along * along);
+        return {outside - corner_, sideways / outside, along_sign * along / outside};
+    }
+    if (sideways > along) return {sideways - corner_, 1, 0};
+    return {along - corner_, 0, along_sign};
+}
+
 double Cutter::distance_mm(const CutterPose& pose, const Eigen::Vector3d& point) const noexcept {
     const Eigen::Vector3d from_tip = point - pose.tip_mm;
     const double up = from_tip.dot(pose.axis);
-    const double out = std::sqrt(std::max(0.0, from_tip.squaredNorm() - up * up));
-    const double sideways = out - flat_radius_mm();
-    const double along = std::max(corner_ - up, up - (reach_ - corner_));
-    const double outside = std::hypot(std::max(sideways, 0.0), std::max(along, 0.0));
-    return outside + std::min(std::max(sideways, along), 0.0) - corner_;
+    return in_meridian(std::sqrt(std::max(0.0, from_tip.squaredNorm() - up * up)), up).value;
 }
 
 double Cutter::height_mm(const CutterPose& pose, const Eigen::Vector3d& point, const Eigen::Vector3d& direction,

@@ -55,7 +55,7 @@ std::optional<SurfacePlace> step_along(const Job& job, const SurfacePlace& from,
 std::vector<SurfacePlace> onward(const Job& job, const Field& field, SurfacePlace place, Eigen::Vector3d direction,
                                  const Planes* plane) {
     std::vector<SurfacePlace> out;
-    constexpr std::size_t most = 2000;
+    const auto most = static_cast<std::size_t>(field.longest_way_mm / field.spacing_mm) + 2;
     while (field.holds(place) && out.size() < most) {
         const auto shape = job.shape(place);
         if (!shape) break;
@@ -82,7 +82,7 @@ std::vector<SurfacePlace> joined(const std::vector<SurfacePlace>& back, const st
 
 Result<Field> field_of(const Job& job) {
     const geometry::BsplineSurface& surface = job.face.surface;
-    const ParameterBox inside = parameter_box(job.face);
+    const ParameterBox& inside = job.box;
     const Eigen::Vector2d middle = 0.5 * (inside.low + inside.high), half = 0.5 * (inside.high - inside.low);
     Field field{.box = inside, .middle = middle};
     double longest = 0;
@@ -93,6 +93,11 @@ Result<Field> field_of(const Job& job) {
         const Eigen::Vector2d way = k == 0 ? Eigen::Vector2d(half.x(), 0) : Eigen::Vector2d(0, half.y());
         const double length = line_length_mm(surface, middle - way, middle + way);
         longest = std::max(longest, length);
+        for (const double side : {-1.0, 0.0, 1.0}) {
+            const Eigen::Vector2d shift = side * Eigen::Vector2d(half.x() - way.x(), half.y() - way.y());
+            constexpr double detour = 2;
+            field.longest_way_mm += detour * line_length_mm(surface, middle + shift - way, middle + shift + way);
+        }
         constexpr double margin_share = 0.05;
         const double margin = margin_share * 2 * half[k];
         const Eigen::Vector2d side(half.x() - way.x(), half.y() - way.y());
@@ -127,7 +132,7 @@ Way way_through(const Job& job, const Field& field, const SurfacePlace& place, c
 }
 
 std::optional<Way> way_of_moved(const Job& job, const Field& field, const Way& before,
-                                const std::vector<std::optional<SurfacePlace>>& moved, const Planes* plane) {
+                                const std::vector<std::optional<SurfacePlace>>& moved) {
     std::vector<SurfacePlace> kept;
     std::vector<Eigen::Vector3d> points;
     for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -146,8 +151,8 @@ std::optional<Way> way_of_moved(const Job& job, const Field& field, const Way& b
     if (core.places().size() < 2) return std::nullopt;
     const auto first = job.station(core, 0, false), last = job.station(core, core.length(), false);
     if (!first || !last) return std::nullopt;
-    const auto back = onward(job, field, kept.front(), -first->along, plane);
-    const auto ahead = onward(job, field, kept.back(), last->along, plane);
+    const auto back = onward(job, field, kept.front(), -first->along, nullptr);
+    const auto ahead = onward(job, field, kept.back(), last->along, nullptr);
     return Way(job.face.surface, joined(back, kept, ahead)).resampled(job.face.surface, field.spacing_mm);
 }
 

@@ -12,7 +12,7 @@
 #include "trunnion/surfacing/chord_steps.hpp"
 #include "trunnion/surfacing/path_interval.hpp"
 
-#include "detail/sweep.hpp"
+#include "detail/node.hpp"
 
 namespace trunnion::surfacing::detail {
 
@@ -26,7 +26,7 @@ struct Span {
 
 /// Of ways that run along a border of the domain, all or nothing: places count as drawn a little towards the middle.
 bool within(const Job& job, const Way& way, double s) {
-    const ParameterBox box = parameter_box(job.face);
+    const ParameterBox& box = job.box;
     const SurfacePlace at = way.place(s);
     constexpr double draw = 1e-7;
     return contains(job.face, {at.u + draw * (0.5 * (box.low.x() + box.high.x()) - at.u),
@@ -129,9 +129,7 @@ Result<Pass> pass_of(const Job& job, const Way& way, const Span& span, int index
         const auto station = job.station(way, at[i], backwards);
         if (!station) continue;
         if (auto fits = check_fit(job, *station); !fits) return fail(std::move(fits.error()));
-        constexpr std::size_t every = 4;
-        if (i % every == 0)
-            if (auto clear = check_body(job, *station); !clear) return fail(std::move(clear.error()));
+        if (auto clear = check_body(job, *station); !clear) return fail(std::move(clear.error()));
         pass.contacts.push_back({station->place, station->shape.point, station->shape.normal, station->pose});
     }
     return pass;
@@ -177,7 +175,8 @@ Result<void> append_passes(const Job& job, const Way& way, int index, std::vecto
     return {};
 }
 
-Result<void> append_border_passes(const Job& job, std::vector<Pass>& out) {
+Result<void> append_border_passes(const Job& job, const std::function<bool(const Way&)>& wanted,
+                                  std::vector<Pass>& out) {
     for (const Loop& loop : job.face.loops) {
         std::vector<std::size_t> corners;
         for (std::size_t i = 0; i < loop.size(); ++i)
@@ -186,7 +185,7 @@ Result<void> append_border_passes(const Job& job, std::vector<Pass>& out) {
         corners.push_back(corners.front() + loop.size());
         for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
             const Way way = border_way(job, loop, corners[k], corners[k + 1]);
-            if (way.places().size() < 2) continue;  // an edge that is one point
+            if (way.places().size() < 2 || !wanted(way)) continue;  // an edge that is one point
             auto pass = pass_of(job, way, {0, way.length()}, -1, false);
             if (!pass) return fail(std::move(pass.error()));
             if (pass->contacts.size() > 1) out.push_back(std::move(*pass));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace trunnion::surfacing {
 
@@ -10,21 +11,49 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Half the interval at which flat part and rounded edge of an upright tool are `scallop` above a surface that falls
-/// away as a circle of radius R.
-double torus_half_interval_mm(const Cutter& cutter, double radius_mm, double scallop_mm) noexcept {
-    const auto gap = [&](double w) {
-        const double beyond = std::max(0.0, w - cutter.flat_radius_mm());
-        const double corner =
-            cutter.corner_mm() - std::sqrt(std::max(0.0, std::pow(cutter.corner_mm(), 2) - beyond * beyond));
-        return corner + w * w / (2 * radius_mm);
-    };
-    double low = 0, high = cutter.radius_mm();
-    for (int halving = 0; halving < 60; ++halving) {
-        const double middle = 0.5 * (low + high);
-        (gap(middle) < scallop_mm ? low : high) = middle;
+/// How far from its axis, in a direction of the given curvature of the surface, the end of an upright tool is `scallop`
+/// above the surface: flat out to F, then rounded, with the wall at R.
+double radius_of_height_mm(const Cutter& cutter, double curvature, double scallop_mm) noexcept {
+    const double corner = cutter.corner_mm(), flat = cutter.flat_radius_mm();
+    const double by_edge = flat + std::sqrt(std::max(0.0, scallop_mm * (2 * corner - scallop_mm)));
+    if (curvature <= 0) return std::min(by_edge, cutter.radius_mm());
+    const double by_surface = std::sqrt(2 * scallop_mm / curvature);
+    if (by_surface <= flat || corner == 0) return std::min(by_surface, cutter.radius_mm());
+    // Newton's method from beyond on a function that bends upwards never passes its root.
+    double out = std::min(by_edge, by_surface);
+    for (int step = 0; step < 6; ++step) {
+        const double beyond = std::max(0.0, out - flat);
+        const double under = std::sqrt(std::max(1e-30, corner * corner - beyond * beyond));
+        const double off = 0.5 * curvature * out * out + corner - under - scallop_mm;
+        out -= off / (curvature * out + beyond / under);
     }
-    return low;
+    return out;
+}
+
+/// How far across the feed the end of an upright tool reaches while it is no higher than `scallop` above the surface:
+/// the support function of that part of its end, by the golden section over directions.
+double upright_reach_mm(const Cutter& cutter, const Eigen::Matrix2d& shape, const Eigen::Vector2d& across,
+                        double scallop_mm) noexcept {
+    const Eigen::Vector2d feed(-across.y(), across.x());
+    const auto reach = [&](double angle) {
+        const double cosine = std::cos(angle);
+        const Eigen::Vector2d way = cosine * across + std::sin(angle) * feed;
+        return cosine * radius_of_height_mm(cutter, way.dot(shape * way), scallop_mm);
+    };
+    constexpr double golden = 0.3819660112501051;
+    double low = -std::numbers::pi / 2, high = std::numbers::pi / 2;
+    double a = low + golden * (high - low), b = high - golden * (high - low);
+    double at_a = reach(a), at_b = reach(b);
+    for (int step = 0; step < 32; ++step) {
+        if (at_a > at_b) {
+            high = b, b = a, at_b = at_a;
+            a = low + golden * (high - low), at_a = reach(a);
+        } else {
+            low = a, a = b, at_a = at_b;
+            b = high - golden * (high - low), at_b = reach(b);
+        }
+    }
+    return std::max({at_a, at_b, reach(0)});
 }
 
 /// 1/(nᵀM⁻¹n), or nᵀMn.
@@ -64,8 +93,13 @@ double path_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, 
     const double relative = curvature_across(matrix, across, by_normal_radius);
     if (!cutter.is_ball() && Cutter::upright(at.normal, axis)) {
         const double radius = relative > 1e-12 ? 1 / relative : infinite;
-        if (cutter.corner_mm() > 0) return 2 * torus_half_interval_mm(cutter, radius, scallop);
-        return std::min(flat_interval_mm(radius, scallop), longest);
+        if (by_normal_radius && cutter.corner_mm() > 0)
+            return std::min(2 * radius_of_height_mm(cutter, relative, scallop), longest);
+        const double by_surface = std::sqrt(8 * scallop * radius);
+        const double by_end = by_normal_radius ? by_surface : 2 * upright_reach_mm(cutter, at.shape, across, scallop);
+        // Where neither rim nor rounded edge plays a part Eq. 2 is exact.
+        const bool by_surface_alone = by_surface <= (1 + 1e-6) * by_end;
+        return std::min(by_surface_alone ? flat_interval_mm(radius, scallop) : by_end, longest);
     }
     if (!cutter.is_ball()) return std::min(longest, std::sqrt(8 * scallop / std::max(relative, 1e-12)));
     const double surface = relative - 1 / cutter.radius_mm();

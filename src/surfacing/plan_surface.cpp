@@ -1,13 +1,22 @@
 #include "trunnion/surfacing/plan_surface.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "trunnion/surfacing/part_body.hpp"
+#include "trunnion/surfacing/plan_region.hpp"
+
+#include "detail/free_links.hpp"
+#include "detail/join_passes.hpp"
 #include "detail/passes.hpp"
+#include "detail/plane_sections.hpp"
 #include "detail/surface_program.hpp"
 #include "detail/sweep.hpp"
 
@@ -51,26 +60,171 @@ double length_mm(const Pass& pass) {
     return sum;
 }
 
+/// Takes passes of a region together.
+class RegionPlanner {
+  public:
+    RegionPlanner(std::span<const Face> faces, const Cutter& cutter, const SurfaceOptions& options)
+        : faces_(faces), cutter_(cutter), options_(options) {
+        for (const Face& face : faces) jobs_.push_back({face, cutter, options});
+        plan_.least_interval_mm = std::numeric_limits<double>::infinity();
+    }
+
+    Result<SurfacePlan> run() {
+        auto laid = options_.strategy == Strategy::parallel_planes ? by_planes() : face_by_face();
+        if (!laid) return fail(std::move(laid.error()));
+        if (options_.borders)
+            if (auto done = along_borders(); !done) return fail(std::move(done.error()));
+        if (plan_.passes.empty()) return fail({.code = "SURF0205", .text = "no pass crosses the face"});
+        if (faces_.size() > 1)
+            if (auto clear = check_region_body(); !clear) return fail(std::move(clear.error()));
+        for (const Pass& pass : plan_.passes) plan_.cut_length_mm += length_mm(pass);
+        constexpr double part_tolerance_mm = 0.02;
+        const auto part = PartBody::make(faces_, part_tolerance_mm);
+        if (!part) return fail(part.error());
+        plan_.program = detail::program_of(plan_.passes, options_,
+                                           detail::links_where_free(plan_.passes, cutter_, *part, options_));
+        return std::move(plan_);
+    }
+
+  private:
+    void account(double least_interval, double largest_interval, double highest_ridge) {
+        plan_.least_interval_mm = std::min(plan_.least_interval_mm, least_interval);
+        plan_.largest_interval_mm = std::max(plan_.largest_interval_mm, largest_interval);
+        plan_.highest_ridge_mm = std::max(plan_.highest_ridge_mm, highest_ridge);
+    }
+
+    std::unexpected<Diagnostic> refused(std::size_t face, Diagnostic refusal) const {
+        if (faces_.size() > 1) refusal.text = fmt::format("face {}: {}", faces_[face].number, refusal.text);
+        return fail(std::move(refusal));
+    }
+
+    Result<void> append(std::size_t face, const detail::Way& way, int index, std::vector<Pass>& out) const {
+        const std::size_t first = out.size();
+        if (auto done = detail::append_passes(jobs_[face], way, index, out); !done)
+            return refused(face, std::move(done.error()));
+        for (std::size_t k = first; k < out.size(); ++k)
+            for (Contact& contact : out[k].contacts) contact.face = static_cast<int>(face);
+        return {};
+    }
+
+    /// Indices of every face follow those of the one before with a gap, so that no link joins two faces.
+    Result<void> face_by_face() {
+        int next_index = 0;
+        for (std::size_t k = 0; k < faces_.size(); ++k) {
+            auto ways = detail::sweep(jobs_[k]);
+            if (!ways) return refused(k, std::move(ways.error()));
+            account(ways->least_interval_mm, ways->largest_interval_mm, ways->highest_ridge_mm);
+            if (auto covered = check_cover(k, *ways); !covered) return covered;
+            const int shift = next_index - ways->ways.front().index;
+            const std::size_t first = plan_.passes.size();
+            for (const auto& [way, index] : ways->ways)
+                if (auto done = append(k, way, index, plan_.passes); !done) return done;
+            for (std::size_t i = first; i < plan_.passes.size(); ++i) plan_.passes[i].index += shift;
+            next_index += static_cast<int>(ways->ways.size()) + 1;
+        }
+        return {};
+    }
+
+    /// Whether the march got everywhere: it ends early where the surface turns away faster than passes can follow.
+    Result<void> check_cover(std::size_t number, const detail::Sweep& sweep) const {
+        const Face& face = faces_[number];
+        const ParameterBox& box = jobs_[number].box;
+        const double farthest = 1.5 * std::max(sweep.largest_interval_mm, 0.1 * cutter_.radius_mm());
+        constexpr int grid = 24;
+        for (int i = 0; i < grid * grid; ++i) {
+            const double a = (i / grid + 0.5) / grid, b = (i % grid + 0.5) / grid;
+            const geometry::SurfacePlace place{box.low.x() + a * (box.high - box.low).x(),
+                                               box.low.y() + b * (box.high - box.low).y()};
+            if (!contains(face, place)) continue;
+            const Eigen::Vector3d point = face.surface.at(place.u, place.v);
+            const auto near = [&](const detail::SweepWay& one) { return one.way.distance_mm(point) <= farthest; };
+            if (std::ranges::any_of(sweep.ways, near)) continue;
+            return refused(number, {.code = "SURF0210",
+                                    .text = fmt::format("passes do not get to ({:.3f} {:.3f} {:.3f})", point.x(),
+                                                        point.y(), point.z()),
+                                    .limit = fmt::format("a pass within {:.4g} mm", farthest),
+                                    .hint = "another strategy, or another direction of feed"});
+        }
+        return {};
+    }
+
+    /// Passes of one plane are joined where one ends and the next one begins.
+    Result<void> by_planes() {
+        auto sections = detail::plane_sections(jobs_);
+        if (!sections) return fail(std::move(sections.error()));
+        account(sections->least_interval_mm, sections->largest_interval_mm, sections->highest_ridge_mm);
+        if (sections->ways.empty()) return {};
+        const int first = sections->ways.front().index;
+        for (std::size_t begin = 0, end = 0; begin < sections->ways.size(); begin = end) {
+            std::vector<Pass> row;
+            for (; end < sections->ways.size() && sections->ways[end].index == sections->ways[begin].index; ++end) {
+                const detail::SectionWay& one = sections->ways[end];
+                if (auto done = append(one.face, one.way, one.index, row); !done) return done;
+            }
+            detail::join_passes(row);
+            for (Pass& pass : row) pass.index -= first;
+            std::ranges::move(row, std::back_inserter(plan_.passes));
+        }
+        return {};
+    }
+
+    Result<void> along_borders() {
+        for (std::size_t k = 0; k < faces_.size(); ++k) {
+            const bool goes_on = options_.strategy == Strategy::parallel_planes;
+            const std::size_t first = plan_.passes.size();
+            // A border that two faces share has its pass once, or none where passes go on over it.
+            const auto wanted = [&](const detail::Way& way) {
+                return !detail::is_shared(way, faces_.subspan(0, goes_on ? faces_.size() : k), faces_[k]);
+            };
+            if (auto done = detail::append_border_passes(jobs_[k], wanted, plan_.passes); !done)
+                return refused(k, std::move(done.error()));
+            for (std::size_t i = first; i < plan_.passes.size(); ++i)
+                for (Contact& contact : plan_.passes[i].contacts) contact.face = static_cast<int>(k);
+        }
+        return {};
+    }
+
+    /// The tool on one face against all the others.
+    Result<void> check_region_body() const {
+        const double tolerance = std::max(options_.gouge_tolerance_mm, 0.005);
+        const auto body = PartBody::make(faces_, tolerance);
+        if (!body) return fail(body.error());
+        const double allowed = options_.gouge_tolerance_mm + 2 * tolerance;
+        for (const Pass& pass : plan_.passes)
+            for (const Contact& contact : pass.contacts)
+                if (const auto in = body->deepest(cutter_, contact.pose, allowed)) {
+                    const Eigen::Vector3d &at = contact.point_mm, &there = in->at_mm;
+                    return refused(
+                        static_cast<std::size_t>(contact.face),
+                        {.code = "SURF0204",
+                         .text = fmt::format("touching the surface at ({:.3f} {:.3f} {:.3f}) the tool cuts "
+                                             "into face {} at ({:.3f} {:.3f} {:.3f})",
+                                             at.x(), at.y(), at.z(), faces_[static_cast<std::size_t>(in->face)].number,
+                                             there.x(), there.y(), there.z()),
+                         .value = fmt::format("depth {:.4g} mm", in->depth_mm),
+                         .limit = fmt::format("{:.4g} mm", allowed),
+                         .hint = "a smaller tool, or one face less"});
+                }
+        return {};
+    }
+
+    std::span<const Face> faces_;
+    const Cutter& cutter_;
+    const SurfaceOptions& options_;
+    std::vector<detail::Job> jobs_;
+    SurfacePlan plan_;
+};
+
 }  // namespace
 
 Result<SurfacePlan> plan_surface(const Face& face, const Cutter& cutter, const SurfaceOptions& options) {
+    return plan_region({&face, 1}, cutter, options);
+}
+
+Result<SurfacePlan> plan_region(std::span<const Face> faces, const Cutter& cutter, const SurfaceOptions& options) {
+    if (faces.empty()) return fail({.code = "SURF0207", .text = "a region without faces"});
     if (auto sound = check_options(options, cutter); !sound) return fail(std::move(sound.error()));
-    const detail::Job job{face, cutter, options};
-    auto ways = detail::sweep(job);
-    if (!ways) return fail(std::move(ways.error()));
-    SurfacePlan plan{.least_interval_mm = ways->least_interval_mm,
-                     .largest_interval_mm = ways->largest_interval_mm,
-                     .highest_ridge_mm = ways->highest_ridge_mm};
-    for (const auto& [way, index] : ways->ways)
-        if (auto done = detail::append_passes(job, way, index, plan.passes); !done)
-            return fail(std::move(done.error()));
-    for (Pass& pass : plan.passes) pass.index -= ways->ways.front().index;
-    if (options.borders)
-        if (auto done = detail::append_border_passes(job, plan.passes); !done) return fail(std::move(done.error()));
-    if (plan.passes.empty()) return fail({.code = "SURF0205", .text = "no pass crosses the face"});
-    for (const Pass& pass : plan.passes) plan.cut_length_mm += length_mm(pass);
-    plan.program = detail::program_of(plan.passes, options);
-    return plan;
+    return RegionPlanner(faces, cutter, options).run();
 }
 
 }  // namespace trunnion::surfacing

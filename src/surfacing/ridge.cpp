@@ -5,56 +5,127 @@
 
 namespace trunnion::surfacing::detail {
 
+Track::Track(const Job& job, const Way& way, bool backwards) : way_(&way), nodes_(way.places().size()) {
+    const std::vector<double>& s = way.lengths();
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+        if (const auto station = job.station(way, s[i], backwards)) {
+            nodes_[i].pose = station->pose;
+            nodes_[i].sound = true;
+        }
+    // Of the parabola through a node and its neighbours.
+    for (std::size_t i = 0; i < nodes_.size() && nodes_.size() > 2; ++i) {
+        const std::size_t k = std::clamp<std::size_t>(i, 1, nodes_.size() - 2);
+        const double before = s[k] - s[k - 1], after = s[k + 1] - s[k], at = s[i] - s[k];
+        const auto slope = [&](const auto& of) -> Eigen::Vector3d {
+            const Eigen::Vector3d rise = (of(k) - of(k - 1)) / before, next = (of(k + 1) - of(k)) / after;
+            return rise + (before + 2 * at) / (before + after) * (next - rise);
+        };
+        nodes_[i].tip_slope = slope([this](std::size_t n) -> const Eigen::Vector3d& { return nodes_[n].pose.tip_mm; });
+        nodes_[i].axis_slope = slope([this](std::size_t n) -> const Eigen::Vector3d& { return nodes_[n].pose.axis; });
+        nodes_[i].sound = nodes_[i].sound && nodes_[k - 1].sound && nodes_[k].sound && nodes_[k + 1].sound;
+    }
+}
+
+std::optional<CutterPose> Track::pose(double s) const noexcept {
+    const std::vector<double>& lengths = way_->lengths();
+    const auto next = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, s);
+    const auto k = static_cast<std::size_t>(next - lengths.begin()) - 1;
+    const Node &a = nodes_[k], &b = nodes_[k + 1];
+    if (!a.sound || !b.sound) return std::nullopt;
+    const double length = lengths[k + 1] - lengths[k], w = (s - lengths[k]) / length;
+    const double from = (1 + 2 * w) * (1 - w) * (1 - w), to = w * w * (3 - 2 * w);
+    const double out = length * w * (1 - w) * (1 - w), in = -length * w * w * (1 - w);
+    return CutterPose{from * a.pose.tip_mm + to * b.pose.tip_mm + out * a.tip_slope + in * b.tip_slope,
+                      (from * a.pose.axis + to * b.pose.axis + out * a.axis_slope + in * b.axis_slope).normalized()};
+}
+
+double Track::distance_mm(const Cutter& cutter, double s, const Eigen::Vector3d& point) const noexcept {
+    constexpr double nowhere_mm = 1e9;
+    const auto at = pose(s);
+    return at ? cutter.distance_mm(*at, point) : nowhere_mm;
+}
+
 namespace {
 
-/// Least height of the tool above a surface point while it runs along a way, by the parabola through three heights.
+/// Least height of the tool above surface points while it runs along a part of a way.
 class Cover {
   public:
-    Cover(const Job& job, const Track& track, double s, double spread, double limit)
-        : job_(job), track_(track), s_(s), spread_(spread), limit_(limit) {}
+    Cover(const Cutter& cutter, const Track& track, double s, double reach, double limit)
+        : cutter_(cutter),
+          track_(track),
+          from_(std::max(s - reach, 0.0)),
+          to_(std::min(s + reach, track.way().length())),
+          limit_(limit) {}
 
-    double height(const geometry::SurfaceShape& at) {
-        double best = limit_;
-        for (double spread = spread_; spread > 0.1 * spread_; spread *= 0.2) {
-            const double before = height_from(s_ - spread, at), here = height_from(s_, at),
-                         after = height_from(s_ + spread, at);
-            const double bend = before - 2 * here + after;
-            const double move = bend > 0 ? 0.5 * (before - after) / bend : 0;
-            s_ = std::clamp(s_ + std::clamp(move, -4.0, 4.0) * spread, 0.0, track_.way.length());
-            best = std::min({best, before, here, after});
+    /// Up from the surface by the distance of the nearest pose, again and again; 0 where the surface is cut into.
+    /// Nothing where the nearest pose is an end of the way: beyond it the tool may be nearer.
+    std::optional<double> height(const geometry::SurfaceShape& at) const {
+        double height = 0, from = from_, to = to_;
+        constexpr int most_rounds = 8;
+        for (int round = 0; round < most_rounds && height < limit_; ++round) {
+            const Eigen::Vector3d point = at.point + height * at.normal;
+            const double s = nearest(point, from, to), more = track_.distance_mm(cutter_, s, point);
+            constexpr double end_mm = 1e-3;
+            if (s < end_mm || s > track_.way().length() - end_mm) return std::nullopt;
+            height += std::max(more, 0.0);
+            constexpr double exact_mm = 1e-7, narrower = 0.05;
+            if (more < exact_mm) break;
+            // The place moves little while the point moves up by some µm.
+            const double near = narrower * (to_ - from_);
+            from = std::max(s - near, from_);
+            to = std::min(s + near, to_);
         }
-        return std::min(best, height_from(s_, at));
+        return std::min(height, limit_);
     }
 
   private:
-    double height_from(double s, const geometry::SurfaceShape& at) const {
-        const auto station = job_.station(track_.way, std::clamp(s, 0.0, track_.way.length()), track_.backwards);
-        return station ? job_.cutter.height_mm(station->pose, at.point, at.normal, limit_) : limit_;
+    /// Where the tool is nearest to a point, by the golden section: distances fall and then rise.
+    double nearest(const Eigen::Vector3d& point, double low, double high) const {
+        constexpr double golden = 0.3819660112501051, exact_mm = 2e-4;
+        const auto off = [&](double s) { return track_.distance_mm(cutter_, s, point); };
+        double a = low + golden * (high - low), b = high - golden * (high - low);
+        double at_a = off(a), at_b = off(b);
+        while (high - low > exact_mm) {
+            if (at_a < at_b) {
+                high = b, b = a, at_b = at_a;
+                a = low + golden * (high - low), at_a = off(a);
+            } else {
+                low = a, a = b, at_a = at_b;
+                b = high - golden * (high - low), at_b = off(b);
+            }
+        }
+        return at_a < at_b ? a : b;
     }
-    const Job& job_;
+
+    const Cutter& cutter_;
     const Track& track_;
-    double s_, spread_, limit_;
+    double from_, to_, limit_;
 };
 
 }  // namespace
 
-double ridge_between_mm(const Job& job, const Track& first, double s, const Track& second, double limit) {
-    const geometry::SurfacePlace a = first.way.place(s);
+std::optional<double> ridge_between_mm(const Job& job, const Track& first, double s, const Track& second, double limit) {
+    const geometry::SurfacePlace a = first.way().place(s);
     const Eigen::Vector3d from = job.face.surface.at(a.u, a.v);
-    const double on_second = second.way.nearest(from);
-    const geometry::SurfacePlace b = second.way.place(on_second);
-    const double spread = 0.1 * (job.face.surface.at(b.u, b.v) - from).norm() + 1e-6;
-    Cover one(job, first, s, spread, limit), other(job, second, on_second, spread, limit);
-    double share = 0.5, ridge = 0;
-    for (int step = 0; step < 4; ++step) {
+    const double on_second = second.way().nearest(from);
+    const geometry::SurfacePlace b = second.way().place(on_second);
+    const double reach = 1.1 * job.cutter.radius_mm() + (job.face.surface.at(b.u, b.v) - from).norm();
+    const Cover one(job.cutter, first, s, reach, limit), other(job.cutter, second, on_second, reach, limit);
+    double low = 0, high = 1, share = 0.5, ridge = 0;
+    for (int step = 0; step < 16; ++step) {
         const auto at = job.shape({a.u + share * (b.u - a.u), a.v + share * (b.v - a.v)});
-        if (!at) return 0;
-        const double h1 = std::max(one.height(*at), 0.0), h2 = std::max(other.height(*at), 0.0);
-        ridge = std::min(h1, h2);
-        if (std::abs(h1 - h2) < 1e-3 * (h1 + h2) || h1 + h2 == 0) break;
-        // Either height grows with about the square of the distance from its way.
+        if (!at) return std::nullopt;
+        const auto of_one = one.height(*at), of_other = other.height(*at);
+        if (!of_one || !of_other) return std::nullopt;
+        const double h1 = *of_one, h2 = *of_other;
+        ridge = std::max(ridge, std::min(h1, h2));
+        if (std::abs(h1 - h2) <= 2e-3 * (h1 + h2)) break;
+        (h1 < h2 ? low : high) = share;
+        // Either height grows with about the square of the distance from its way; beside a rim it does not.
         const double rate1 = std::sqrt(h1) / share, rate2 = std::sqrt(h2) / (1 - share);
-        share = std::clamp(rate2 / (rate1 + rate2), 0.02, 0.98);
+        const double guess = rate2 / (rate1 + rate2);
+        const bool sound = step < 4 && h1 > 0 && h2 > 0 && guess > low && guess < high;
+        share = sound ? guess : 0.5 * (low + high);
     }
     return ridge;
 }

@@ -11,33 +11,29 @@ class ProgramWriter {
         program_.dialect = "apt";
     }
 
-    void pass(const Pass& pass, const Pass* before) {
+    void pass(const Pass& pass, const Pass* before, double height_mm) {
         const CutterPose& first = pass.contacts.front().pose;
-        const bool beside = before && before->index >= 0 && pass.index - before->index == 1;
-        if (beside && options_.zigzag)
+        if (before && height_mm == 0 && is_beside(*before, pass, options_))
             link(before->contacts.back().pose, first);
         else
-            approach(before, first);
+            approach(before, first, height_mm > 0 ? height_mm : options_.retract_mm);
         move(raised(first, 0), options_.approach_mm_s);
         for (std::size_t i = 1; i < pass.contacts.size(); ++i) move(pass.contacts[i].pose, options_.feed_mm_s);
     }
 
-    program::Program finished(const Pass& last) {
-        rapid(raised(last.contacts.back().pose, options_.retract_mm));
+    program::Program finished(const Pass& last, double height_mm) {
+        rapid(raised(last.contacts.back().pose, height_mm > 0 ? height_mm : options_.retract_mm));
         return std::move(program_);
     }
 
   private:
-    static CutterPose raised(const CutterPose& pose, double height) {
-        return {pose.tip_mm + height * pose.axis, pose.axis};
-    }
     void link(const CutterPose& from, const CutterPose& to) {
         move(raised(from, options_.lift_mm), options_.feed_mm_s);
         move(raised(to, options_.lift_mm), options_.feed_mm_s);
     }
-    void approach(const Pass* before, const CutterPose& to) {
-        if (before) rapid(raised(before->contacts.back().pose, options_.retract_mm));
-        rapid(raised(to, options_.retract_mm));
+    void approach(const Pass* before, const CutterPose& to, double height_mm) {
+        if (before) rapid(raised(before->contacts.back().pose, height_mm));
+        rapid(raised(to, height_mm));
         rapid(raised(to, options_.lift_mm));
     }
     void rapid(const CutterPose& to) {
@@ -56,14 +52,24 @@ class ProgramWriter {
 
 }  // namespace
 
-program::Program program_of(const std::vector<Pass>& passes, const SurfaceOptions& options) {
+CutterPose raised(const CutterPose& pose, double height_mm) {
+    return {pose.tip_mm + height_mm * pose.axis, pose.axis};
+}
+
+bool is_beside(const Pass& before, const Pass& next, const SurfaceOptions& options) {
+    return options.zigzag && before.index >= 0 && next.index - before.index == 1;
+}
+
+program::Program program_of(const std::vector<Pass>& passes, const SurfaceOptions& options,
+                            std::span<const double> heights_mm) {
     ProgramWriter writer(options);
+    const auto height = [&](std::size_t k) { return k < heights_mm.size() ? heights_mm[k] : 0; };
     const Pass* before = nullptr;
-    for (const Pass& pass : passes) {
-        writer.pass(pass, before);
-        before = &pass;
+    for (std::size_t k = 0; k < passes.size(); ++k) {
+        writer.pass(passes[k], before, height(k));
+        before = &passes[k];
     }
-    return writer.finished(passes.back());
+    return writer.finished(passes.back(), height(passes.size()));
 }
 
 }  // namespace trunnion::surfacing::detail

@@ -73,15 +73,23 @@ Eigen::Vector2d Way::slope(double s) const noexcept {
     return piece_at(s).slope();
 }
 
-double Way::nearest(const Eigen::Vector3d& point) const noexcept {
-    double least = (points_.front() - point).squaredNorm(), at = 0;
+Way::Foot Way::foot_of(const Eigen::Vector3d& point) const noexcept {
+    Foot foot{0, (points_.front() - point).squaredNorm()};
     for (std::size_t k = 0; k + 1 < points_.size(); ++k) {
         const Eigen::Vector3d way = points_[k + 1] - points_[k];
         const double w = std::clamp((point - points_[k]).dot(way) / way.squaredNorm(), 0.0, 1.0);
         const double off = (points_[k] + w * way - point).squaredNorm();
-        if (off < least) least = off, at = lengths_[k] + w * (lengths_[k + 1] - lengths_[k]);
+        if (off < foot.squared) foot = {lengths_[k] + w * (lengths_[k + 1] - lengths_[k]), off};
     }
-    return at;
+    return foot;
+}
+
+double Way::nearest(const Eigen::Vector3d& point) const noexcept {
+    return foot_of(point).s;
+}
+
+double Way::distance_mm(const Eigen::Vector3d& point) const noexcept {
+    return std::sqrt(foot_of(point).squared);
 }
 
 Way Way::resampled(const geometry::BsplineSurface& surface, double spacing) const {

@@ -13,7 +13,8 @@ namespace trunnion::surfacing::detail {
 struct Field {
     ParameterBox box;
     Eigen::Vector2d middle;
-    double spacing_mm = 1;  ///< of a way's places
+    double spacing_mm = 1;      ///< of a way's places
+    double longest_way_mm = 0;  ///< that any sensible way across the face has
 
     bool holds(const geometry::SurfacePlace& place) const noexcept {
         return place.u >= box.low.x() && place.u <= box.high.x() && place.v >= box.low.y() && place.v <= box.high.y();
@@ -39,7 +40,7 @@ Way way_through(const Job& job, const Field& field, const geometry::SurfacePlace
 /// The way through the places to which a way's places moved, without loops, from border to border of the field. Nothing
 /// where fewer than two places are left within the field.
 std::optional<Way> way_of_moved(const Job& job, const Field& field, const Way& before,
-                                const std::vector<std::optional<geometry::SurfacePlace>>& moved, const Planes* plane);
+                                const std::vector<std::optional<geometry::SurfacePlace>>& moved);
 
 /// The way of one constant parameter across the field.
 Way parameter_way(const Job& job, const Field& field, bool along_u, double at);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "trunnion/base/result.hpp"
@@ -12,7 +13,8 @@ namespace trunnion::surfacing::detail {
 /// straight moves keep the chord tolerance. Errors: SURF0203, SURF0204.
 Result<void> append_passes(const Job& job, const Way& way, int index, std::vector<Pass>& out);
 
-/// Appends passes along the face's borders, one for each part between corners. Errors as above.
-Result<void> append_border_passes(const Job& job, std::vector<Pass>& out);
+/// Appends passes along the face's borders, one for each part between corners that is wanted. Errors as above.
+Result<void> append_border_passes(const Job& job, const std::function<bool(const Way&)>& wanted,
+                                  std::vector<Pass>& out);
 
 }  // namespace trunnion::surfacing::detail

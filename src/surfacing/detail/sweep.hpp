@@ -19,10 +19,11 @@ struct Sweep {
     double least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;
 };
 
-/// Ways over the whole face by the strategy of the options. Errors: SURF0203, SURF0205, SURF0206.
+/// Ways over the whole face by the strategy of the options, which is not parallel planes. Errors: SURF0203, SURF0205,
+/// SURF0206, SURF0208, SURF0209.
 Result<Sweep> sweep(const Job& job);
 
-/// SURF0203 where the tool does not fit into the surface at a station.
-Result<void> check_fit(const Job& job, const Station& station);
+/// The direction of the feed in the face's middle.
+Eigen::Vector3d feed_in_middle(const Job& job, const geometry::SurfaceShape& middle);
 
 }  // namespace trunnion::surfacing::detail

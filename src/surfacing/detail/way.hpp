@@ -27,11 +27,18 @@ class Way {
     /// s of the point of the polyline that is nearest to a point.
     double nearest(const Eigen::Vector3d& point) const noexcept;
 
+    /// Distance of a point from that polyline, mm.
+    double distance_mm(const Eigen::Vector3d& point) const noexcept;
+
     /// The same curve through places at equal distances of about `spacing`.
     Way resampled(const geometry::BsplineSurface& surface, double spacing) const;
 
   private:
     struct Piece;
+    struct Foot {
+        double s, squared;
+    };
+    Foot foot_of(const Eigen::Vector3d& point) const noexcept;
     Piece piece_at(double s) const noexcept;
     Eigen::Vector2d slope_at_node(std::size_t i) const noexcept;
     std::vector<geometry::SurfacePlace> places_;
@@ -52,6 +59,7 @@ struct Job {
     const Face& face;
     const Cutter& cutter;
     const SurfaceOptions& options;
+    ParameterBox box = parameter_box(face);
 
     std::optional<geometry::SurfaceShape> shape(const geometry::SurfacePlace& place) const noexcept {
         return geometry::shape_at(face.surface, place, face.side);

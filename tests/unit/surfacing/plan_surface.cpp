@@ -1,10 +1,12 @@
 #include "trunnion/surfacing/plan_surface.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "trunnion/base/quantity.hpp"
@@ -42,27 +44,33 @@ struct Case {
 
 std::vector<Case> cases() {
     const Vector3d up(0, 0, 1), out(1, 0, 0);
-    return {{"cylinder, ball", facing(cylinder(20, 24, 1), up), ball_tool(10)},
+    return {{"cylinder, flat", facing(cylinder(20, 30, 1.4), up), flat_tool(4)},
             {"sphere, ball", facing(torus(0, 25, -0.4, 0.8, 0.8), out), ball_tool(10)},
-            {"sphere, flat", facing(torus(0, 25, -0.5, 1, 1), out), flat_tool(8)},
-            {"torus, flat", facing(torus(60, 20, -0.6, 1.2, 0.5), out), flat_tool(8)},
             {"torus, torus with lead", facing(torus(60, 20, -0.5, 1, 0.4), out), torus_tool(10, 2), 10},
-            {"free form, ball", free_form(40), ball_tool(10)}};
+            {"free form, ball", free_form(40), ball_tool(16)}};
+}
+
+SurfaceVerdict machined(const Case& one, const SurfaceOptions& options, SurfacePlan& plan) {
+    const Cutter cutter = Cutter::make(one.tool).value();
+    SurfaceOptions all = options;
+    all.lead_rad = one.lead_deg * degree;
+    auto planned = plan_surface(one.face, cutter, all);
+    EXPECT_TRUE(planned) << one.name << " " << to_string(planned.error());
+    if (!planned) return {};
+    plan = std::move(*planned);
+    return check_surface(one.face, cutter, plan.passes, {.grid_mm = 2, .ridge_spacing_mm = 6});
 }
 
 class ConstantScallop : public testing::TestWithParam<double> {};
 
-/// Ridges are as high as allowed, all of them, in every direction of the feed; nothing is cut into.
+/// Ridges are as high as allowed, all of them; nothing is cut into, nothing is left beside borders.
 TEST_P(ConstantScallop, IsConstant) {
     for (const Case& one : cases()) {
         SurfaceOptions options = fine();
         options.feed_angle_rad = GetParam() * degree;
-        options.lead_rad = one.lead_deg * degree;
-        const Cutter cutter = Cutter::make(one.tool).value();
-        const auto plan = plan_surface(one.face, cutter, options);
-        ASSERT_TRUE(plan) << one.name << " " << to_string(plan.error());
-        const auto verdict = check_surface(one.face, cutter, plan->passes, {.grid_mm = 2, .ridge_spacing_mm = 8});
-        EXPECT_GT(verdict.ridges, 20u) << one.name;
+        SurfacePlan plan;
+        const auto verdict = machined(one, options, plan);
+        EXPECT_GT(verdict.ridges, 10u) << one.name;
         EXPECT_GT(verdict.least_ridge_mm, 0.009) << one.name;
         EXPECT_LT(verdict.largest_ridge_mm, 0.01005) << one.name;
         EXPECT_LT(verdict.highest_mm, 0.01005) << one.name;
@@ -70,7 +78,78 @@ TEST_P(ConstantScallop, IsConstant) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Feeds, ConstantScallop, testing::Values(0, 30, 45, 60, 90));
+INSTANTIATE_TEST_SUITE_P(Feeds, ConstantScallop, testing::Values(0, 30));
+
+/// Every surface with every tool that fits.
+std::vector<Case> all_cases() {
+    const Vector3d up(0, 0, 1), out(1, 0, 0);
+    const std::pair<const char*, Face> surfaces[] = {
+        {"cylinder of 20 mm", facing(cylinder(20, 60, 2.2), up)},
+        {"sphere of 25 mm", facing(torus(0, 25, -0.7, 1.4, 1.4), out)},
+        {"torus, 60 and 20 mm", facing(torus(60, 20, -0.9, 1.8, 0.6), out)},
+        {"that torus from within", facing(torus(60, 20, -0.9, 1.8, 0.6), -out)},
+        {"its inner half, a saddle", facing(torus(60, 20, std::numbers::pi - 0.8, 1.6, 1), -out)},
+        {"free form, convex, 60 mm", facing(bicubic(60,
+                                                    [](double x, double y) {
+                                                        return -21 * (x - 0.45) * (x - 0.45) -
+                                                               15 * (y - 0.5) * (y - 0.5) - 7 * (x - 0.5) * (y - 0.5) -
+                                                               5 * x * x * x;
+                                                    }),
+                                            up)},
+        {"free form with hollows, 40 mm", free_form(40)}};
+    std::vector<Case> out_cases;
+    for (const auto& [name, face] : surfaces) {
+        out_cases.push_back({name, face, flat_tool(8)});
+        out_cases.push_back({name, face, ball_tool(10)});
+        out_cases.push_back({name, face, torus_tool(10, 2)});
+        out_cases.push_back({name, face, torus_tool(10, 2), 10});
+    }
+    return out_cases;
+}
+
+std::string tool_text(const Case& one) {
+    const char* kind = one.tool.kind == machine::ToolKind::flat   ? "flat"
+                       : one.tool.kind == machine::ToolKind::ball ? "ball"
+                                                                  : "torus";
+    return fmt::format("{} {} mm{}", kind, one.tool.diameter_mm, one.lead_deg > 0 ? ", lead 10°" : "");
+}
+
+class NightlyFigures : public testing::TestWithParam<Strategy> {};
+
+/// Ridges of all surfaces with all tools, as a table; those of constant scallop as constant as promised.
+TEST_P(NightlyFigures, OfAllSurfacesAndTools) {
+    const Strategy strategy = GetParam();
+    const bool turns = strategy == Strategy::constant_scallop || strategy == Strategy::parallel_planes;
+    const std::vector<double> feeds = turns ? std::vector{0.0, 30.0, 45.0, 60.0, 90.0} : std::vector{0.0};
+    for (const Case& one : all_cases())
+        for (const double feed : feeds) {
+            SurfaceOptions options = fine();
+            options.strategy = strategy;
+            options.feed_angle_rad = feed * degree;
+            options.lead_rad = one.lead_deg * degree;
+            const Cutter cutter = Cutter::make(one.tool).value();
+            const auto plan = plan_surface(one.face, cutter, options);
+            if (!plan) {
+                fmt::print("| {} | {} | {} | {} | | | |\n", one.name, tool_text(one), feed, plan.error().code);
+                EXPECT_TRUE(plan.error().code == "SURF0203" || plan.error().code == "SURF0209") << plan.error().text;
+                continue;
+            }
+            const auto verdict = check_surface(one.face, cutter, plan->passes, {.ridge_spacing_mm = 4});
+            fmt::print("| {} | {} | {} | {} + {} | {:.2f}-{:.2f} | {:.2f} | {:.2f} |\n", one.name, tool_text(one), feed,
+                       verdict.ridges, verdict.at_reach, 1e3 * verdict.least_ridge_mm, 1e3 * verdict.largest_ridge_mm,
+                       1e3 * verdict.highest_mm, 1e3 * verdict.deepest_mm);
+            EXPECT_LT(verdict.deepest_mm, 0.001) << one.name << feed;
+            if (strategy == Strategy::lin_koren) continue;  // for comparison
+            EXPECT_LT(verdict.highest_mm, 0.01005) << one.name << feed;
+            if (strategy == Strategy::constant_scallop && verdict.ridges > 0) {
+                EXPECT_GT(verdict.least_ridge_mm, 0.009) << one.name << feed;
+            }
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, NightlyFigures,
+                         testing::Values(Strategy::constant_scallop, Strategy::along_u, Strategy::along_v,
+                                         Strategy::parallel_planes, Strategy::lin_koren));
 
 class SafeStrategies : public testing::TestWithParam<Strategy> {};
 
@@ -79,14 +158,12 @@ TEST_P(SafeStrategies, NeverLeaveMore) {
         SurfaceOptions options = fine();
         options.strategy = GetParam();
         options.feed_angle_rad = 0.3;
-        options.lead_rad = one.lead_deg * degree;
-        const Cutter cutter = Cutter::make(one.tool).value();
-        const auto plan = plan_surface(one.face, cutter, options);
-        ASSERT_TRUE(plan) << one.name << " " << to_string(plan.error());
-        const auto verdict = check_surface(one.face, cutter, plan->passes, {.grid_mm = 2, .ridge_spacing_mm = 8});
-        EXPECT_LT(verdict.largest_ridge_mm, 0.01005) << one.name;
-        EXPECT_GT(verdict.largest_ridge_mm, 0.0085) << one.name;  // somewhere it is used
+        SurfacePlan plan;
+        const auto verdict = machined(one, options, plan);
         EXPECT_LT(verdict.highest_mm, 0.01005) << one.name;
+        // Somewhere it is used, unless the tool's reach is.
+        EXPECT_TRUE(plan.highest_ridge_mm > 0.0085 || plan.largest_interval_mm > 1.99 * one.tool.diameter_mm / 2)
+            << one.name;
         EXPECT_LT(verdict.deepest_mm, 0.001) << one.name;
     }
 }
@@ -201,12 +278,40 @@ TEST(PlanSurface, WritesAProgramOfItsPasses) {
 }
 
 TEST(PlanSurface, IsTheSameOnceMore) {
-    const auto face = free_form(40);
-    const Cutter ball = Cutter::make(ball_tool(10)).value();
+    const auto face = free_form(30);
+    const Cutter ball = Cutter::make(ball_tool(16)).value();
     const auto a = plan_surface(face, ball, fine()).value(), b = plan_surface(face, ball, fine()).value();
     ASSERT_EQ(a.program.moves.size(), b.program.moves.size());
     for (std::size_t i = 0; i < a.program.moves.size(); ++i)
         EXPECT_EQ(a.program.moves[i].position_mm, b.program.moves[i].position_mm);
+}
+
+/// A flat tool fed obliquely to rulings cuts along them as far as its rim: passes are that far apart, not closer.
+TEST(PlanSurface, UsesTheRimOfAFlatToolObliqueToRulings) {
+    const Face face = facing(cylinder(20, 30, 1.4), {0, 0, 1});
+    SurfaceOptions options = fine();
+    options.feed_angle_rad = 30 * degree;
+    const auto plan = plan_surface(face, Cutter::make(flat_tool(8)).value(), options).value();
+    // The corner of the end's disc and the strip that lies within the scallop of the tangent plane.
+    const double strip = std::sqrt(2 * 20 * 0.00975), along = std::sqrt(16 - strip * strip);
+    const double interval = 2 * (0.5 * along + std::sqrt(0.75) * strip);
+    EXPECT_NEAR(plan.least_interval_mm, interval, 0.01 * interval);
+    EXPECT_NEAR(plan.largest_interval_mm, interval, 0.01 * interval);
+}
+
+/// A torus seen from within, and its saddle.
+TEST(PlanSurface, MachinesHollowsAndSaddles) {
+    const Vector3d out(1, 0, 0);
+    const Case hollows[] = {{"hollow", facing(torus(30, 12, -0.6, 1.2, 0.6), -out), ball_tool(10)},
+                            {"saddle", facing(torus(30, 12, std::numbers::pi - 0.5, 1, 0.8), -out), ball_tool(10)}};
+    for (const Case& one : hollows) {
+        SurfacePlan plan;
+        const auto verdict = machined(one, fine(), plan);
+        EXPECT_GT(verdict.ridges, 3u) << one.name;
+        EXPECT_GT(verdict.least_ridge_mm, 0.009) << one.name;
+        EXPECT_LT(verdict.highest_mm, 0.01005) << one.name;
+        EXPECT_LT(verdict.deepest_mm, 0.001) << one.name;
+    }
 }
 
 std::string code_of(const Face& face, const machine::Tool& tool, const SurfaceOptions& options) {
@@ -233,6 +338,26 @@ TEST(PlanSurfaceRefuses, BodiesThatCutBesideTheirContact) {
     EXPECT_TRUE(code == "SURF0204" || code == "SURF0203") << code;
     options.lead_rad = 20 * degree;
     EXPECT_EQ(code_of(hollow, torus_tool(10, 2), options), "");
+}
+
+/// Inside a torus the sharp hollow is round the tube; the offset of a larger tool would intersect itself there.
+TEST(PlanSurfaceRefuses, OffsetsThatIntersectThemselves) {
+    const Face hollow = facing(torus(30, 4, -0.5, 1, 0.5), {-1, 0, 0});
+    EXPECT_EQ(code_of(hollow, ball_tool(7), {}), "");
+    const auto refused = plan_surface(hollow, Cutter::make(ball_tool(9)).value(), {});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, "SURF0203");
+    EXPECT_NE(refused.error().value.find("4 mm"), std::string::npos) << refused.error().value;
+    EXPECT_NE(refused.error().text.find(" at ("), std::string::npos) << refused.error().text;
+}
+
+/// A torus tool leaning so that it hardly fits into a hollow: passes run into each other.
+TEST(PlanSurfaceRefuses, PassesThatRunIntoEachOther) {
+    SurfaceOptions options = fine();
+    options.lead_rad = 10 * degree;
+    options.feed_angle_rad = 30 * degree;
+    const std::string code = code_of(facing(torus(60, 20, -0.9, 1.8, 0.6), {-1, 0, 0}), torus_tool(10, 2), options);
+    EXPECT_TRUE(code == "SURF0209" || code == "SURF0208" || code == "SURF0203") << code;
 }
 
 TEST(PlanSurfaceRefuses, OptionsOutOfRange) {

@@ -13,6 +13,11 @@ struct CutterPose {
     Eigen::Vector3d tip_mm, axis;
 };
 
+/// Distance of a point from a tool's body, mm, and how it changes with the point's place in the meridian plane.
+struct MeridianDistance {
+    double value, by_out, by_up;
+};
+
 /// The body that cuts: a cylinder of radius R whose end has a rounded edge of radius r. r = 0: flat, r = R: ball.
 class Cutter {
   public:
@@ -31,6 +36,10 @@ class Cutter {
     /// meridian plane the body is the rectangle [0, R − r] × [r, reach] grown by r. Cost about 10 ns.
     double distance_mm(const CutterPose& pose, const Eigen::Vector3d& point_mm) const noexcept;
 
+    /// The same of a point `up` the axis from the tip and `out` from it, with its derivatives; where two of them meet
+    /// (on the axis of a flat end, on the medial axis) those of one side.
+    MeridianDistance in_meridian(double out_mm, double up_mm) const noexcept;
+
     /// How far the body is above a point along a unit direction: the least t in [−limit, limit] at which point + t ·
     /// direction enters the body; `limit_mm` where it does not. Negative: the point is inside. To 1e-9 mm where
     /// direction and the body's surface meet at more than some degrees.
@@ -43,9 +52,9 @@ class Cutter {
     CutterPose touching(const Eigen::Vector3d& contact_mm, const Eigen::Vector3d& normal,
                         const Eigen::Vector3d& axis) const noexcept;
 
-    /// Curvature of the body at that contact, 1/mm, in the tangent frame of `at`: 1/r along the meridian and sin φ/(R −
-    /// r
-    /// + r sin φ) round the axis, φ the angle between axis and normal. 0 where a flat end lies on the surface.
+    /// Curvature of the body at that contact, 1/mm, in the tangent frame of `at`: 1/r along the meridian and
+    /// sin φ/(R − r + r sin φ) round the axis, φ the angle between axis and normal. 0 where a flat end lies on the
+    /// surface.
     Eigen::Matrix2d curvature(const geometry::SurfaceShape& at, const Eigen::Vector3d& axis) const noexcept;
 
     /// Whether an axis counts as upright on a surface: within 1e-6 rad of the normal.

@@ -24,11 +24,12 @@ double round_interval_mm(double radius_mm, double tool_mm, double scallop_mm) no
 /// is ½ dᵀMd. Positive definite where the tool fits.
 Eigen::Matrix2d parting(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis) noexcept;
 
-/// Interval of passes with feed ⟂ `across` (unit, tangent frame), mm, for ridges of height `scallop_mm`: with the
-/// conjugate radius of M, nᵀM⁻¹n, across the feed; upright flat and torus tools with their flat part and exact corner.
-/// What remains of the finite size of tilted tools is for whoever measures ridges. At most the tool's diameter.
-/// `by_normal_radius`: with the radius of the normal section instead, as Lin & Koren have it. Precondition: the tool
-/// fits (M positive semidefinite).
+/// Interval of passes with feed ⟂ `across` (unit, tangent frame), mm, for ridges of height `scallop_mm`: twice the
+/// farthest reach across the feed of {d : gap(d) ≤ scallop}. With gap(d) = ½ dᵀMd that is the conjugate radius of M,
+/// nᵀM⁻¹n; of upright flat and torus tools it is cut off by the rounded edge and the rim, which decide where a flat
+/// tool is fed obliquely to the rulings of a developable surface. What remains of the finite size of tilted tools is
+/// for whoever measures ridges. At most longest_interval_mm(). `by_normal_radius`: with the radius of the normal
+/// section instead, as Lin & Koren have it. Precondition: the tool fits (M positive semidefinite).
 double path_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis,
                         const Eigen::Vector2d& across, double scallop_mm, bool by_normal_radius = false) noexcept;
 

@@ -16,7 +16,7 @@ enum class Strategy : std::uint8_t {
     constant_scallop,  ///< each pass from the one before by the interval of every place: all ridges as high as allowed
     along_u,           ///< v constant in each pass, passes as far apart in v as the highest ridge allows
     along_v,           ///< the same with u constant
-    parallel_planes,   ///< sections with planes that have the surface's normal in the middle in them
+    parallel_planes,   ///< all sections with planes that have the surface's normal in the middle in them
     lin_koren  ///< from the border of least v on, passes offset by the least interval that Eq. 2 gives along the
                ///< one before, with normal radii: their rule, for comparison; it bounds ridges where radii of
                ///< normal sections are below the conjugate ones, and does not use the scallop elsewhere
@@ -45,6 +45,7 @@ struct Contact {
     geometry::SurfacePlace place;
     Eigen::Vector3d point_mm, normal;  ///< cutter contact, workpiece
     CutterPose pose;                   ///< tip and axis, workpiece
+    int face = 0;                      ///< of the faces planned together, which one `place` is on, from 0
 };
 
 struct Pass {
@@ -69,13 +70,14 @@ struct SurfacePlan {
 ///
 /// Straight moves: the tool, carried with tip linear and axis in one plane, stays within the chord tolerance of
 /// touching the surface. Passes end on the face's border. Links: to and fro over `lift_mm`, else a rapid over
-/// `retract_mm`.
+/// `retract_mm`; where that goes through one of the faces over the retract height, doubled up to 5 times.
 ///
 /// Errors: SURF0202 an option out of range (it is named), SURF0203 the surface is hollower than the tool is round: the
 /// value is its radius there, which a ball or corner radius must not exceed; SURF0204 the tool's body, away from its
-/// contact, cuts deeper than `gouge_tolerance_mm`; SURF0205 the face has no normal where passes begin or its passes do
-/// not get ahead; SURF0206 more than 20 000 passes. Cost: some 10 µs a contact and 100 µs for each mm² / (interval ·
-/// mm).
+/// contact, cuts deeper than `gouge_tolerance_mm`; SURF0205 the face has no normal where passes begin or no pass
+/// crosses it; SURF0206 more than 20 000 passes; SURF0208 passes wind up instead of crossing the face; SURF0209 a ridge
+/// stays more than a fifth above the scallop however close the passes are; SURF0210 passes do not get to a place of the
+/// face. Cost: some 10 µs a contact and 200 µs for each place of a pass, which are up to 2 mm apart.
 Result<SurfacePlan> plan_surface(const Face& face, const Cutter& cutter, const SurfaceOptions& options);
 
 }  // namespace trunnion::surfacing
