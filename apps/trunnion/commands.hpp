@@ -14,6 +14,9 @@ void add_predict_command(CLI::App& app, int& status);
 void add_convert_command(CLI::App& app, int& status);
 void add_smooth_command(CLI::App& app, int& status);
 void add_deform_command(CLI::App& app, int& status);
+void add_surface_command(CLI::App& app, int& status);
+/// `run`, a subcommand of `surface`.
+void add_surface_run_command(CLI::App& surface, int& status);
 void add_report_command(CLI::App& app, int& status);
 void add_machine_command(CLI::App& app, int& status);
 void add_controller_command(CLI::App& app, int& status);

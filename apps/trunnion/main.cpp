@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
     add_convert_command(app, status);
     add_smooth_command(app, status);
     add_deform_command(app, status);
+    add_surface_command(app, status);
     add_report_command(app, status);
     add_machine_command(app, status);
     add_controller_command(app, status);

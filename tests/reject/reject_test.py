@@ -11,6 +11,12 @@ def command_line(words, out):
     """With every output that the command can write, into the folder `out`."""
     if words[0] in ('machine', 'controller'):
         return words
+    if words[:2] == ['surface', 'list']:
+        return words
+    if words[:2] == ['surface', 'plan']:
+        return [*words, '-o', f'{out}/p.nc', '--summary', f'{out}/s.json']
+    if words[:2] == ['surface', 'run']:
+        return [*words, '-o', f'{out}/q.csv', '--summary', f'{out}/s.json']
     if words[0] in ('convert', 'smooth', 'deform'):
         return [*words, '-o', f'{out}/p.nc']
     if words[0] == 'predict':

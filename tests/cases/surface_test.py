@@ -1,0 +1,79 @@
+"""Goes the ways of the examples of surfaces: surface_test.py TRUNNION EXAMPLES
+
+Surface → program → plan → check on a shipped machine, as straight moves, splines and rotary words; what the simulation says; what fails says so
+with its exit status."""
+import json, pathlib, subprocess, sys, tempfile
+
+trunnion, examples = sys.argv[1], pathlib.Path(sys.argv[2])
+
+
+def run(*words, status=0, code=None):
+    done = subprocess.run([trunnion, *map(str, words)], capture_output=True, text=True)
+    if done.returncode != status or (code and f'error {code}:' not in done.stderr):
+        sys.exit(f'{" ".join(map(str, words))}\nended with {done.returncode}\n{done.stdout}{done.stderr}')
+    return done.stdout + done.stderr
+
+
+with tempfile.TemporaryDirectory() as name:
+    folder = pathlib.Path(name)
+    summary = folder / 's.json'
+
+    def surface_plan(example, surface, out, *options, status=0):
+        said = run('surface', 'plan', examples / example / surface, '--setup', examples / example / 'setup.toml', '-o', out,
+                   '--summary', summary, *options, status=status)
+        return json.loads(summary.read_text()), said
+
+    def plan_and_check(program, example, machine):
+        place = ['-m', machine, '--setup', examples / example / 'setup.toml', '--quiet']
+        run('plan', program, *place, '-o', folder / 'q.csv')
+        run('check', folder / 'q.csv', '--against', program, *place)
+
+    # Coarse, so that it is quick; the README has 10 um.
+    coarse = ['--scallop', '200um', '--chord-tolerance', '10um', '--gouge-tolerance', '25um', '--check']
+    found, said = surface_plan('09_surface', 'hills.toml', folder / 'hills.mpf', *coarse)
+    check = found['check']
+    if not (found['usable'] and 'verdict' in said and check['largest_ridge_mm'] <= 0.201 and check['median_ridge_mm'] > 0.17):
+        sys.exit(said)
+    passes = found['passes']
+    plan_and_check(folder / 'hills.mpf', '09_surface', 'ucp710')
+    found, said = surface_plan('09_surface', 'hills.toml', folder / 'rows.mpf', *coarse, '--strategy', 'along-u')
+    if not (found['usable'] and found['passes'] > passes):
+        sys.exit(f'{passes} passes\n{said}')
+
+    ball = ['--tool', '8', '--lead', '15deg', *coarse]
+    found, said = surface_plan('11_hollow', 'bowl.toml', folder / 'bowl.mpf', *ball, '--curves', 'splines', '--spindle', '6000rpm')
+    text = (folder / 'bowl.mpf').read_text()
+    if not (found['usable'] and found['splines']['tip_error_mm'] <= 0.0025 and all(w in text for w in ('BSPLINE', 'T8', 'S6000'))):
+        sys.exit(said + text[:1000])
+    plan_and_check(folder / 'bowl.mpf', '11_hollow', 'trunnion-bc')
+    found, said = surface_plan('11_hollow', 'bowl.toml', folder / 'bowl.ngc', *ball, '-m', 'trunnion-bc')
+    if 'B' not in (folder / 'bowl.ngc').read_text():
+        sys.exit('no rotary words')
+    plan_and_check(folder / 'bowl.ngc', '11_hollow', 'trunnion-bc')
+
+    # A bar that is broken: the program is written, the status says so.
+    found, said = surface_plan('09_surface', 'hills.toml', folder / 'deep.mpf', '--scallop', '200um', '--chord-tolerance', '10um',
+                               '--check', status=1)
+    if found['usable'] or 'NOT USABLE' not in said or not (folder / 'deep.mpf').exists():
+        sys.exit(said)
+    # A wall that the tool leans into is told without being asked for; freed, the tool stays out of it and cuts what it cut.
+    wall = ['--face', '1', '--strategy', 'along-u', '--lead', '15deg', '--scallop', '100um', '--reach', '40mm']
+    found, said = surface_plan('12_pocket_wall', 'pocket.toml', folder / 'gouging.mpf', *wall, status=1)
+    before = found['part']['in_part']
+    if found['usable'] or found['check'] or 'NOT USABLE: the tool goes into the part' not in said or not (
+            before['face'] == 3 and 4 < before['depth_mm'] < 6):
+        sys.exit(said)
+    found, said = surface_plan('12_pocket_wall', 'pocket.toml', folder / 'pocket.mpf', *wall, '--free-gouges')
+    freed = found['freed']
+    if not (found['usable'] and found['check']['largest_ridge_mm'] <= 0.1005 and found['part']['in_part'] is None
+            and freed['gouges']['global'] > 0 and freed['worst']['face'] == 3 and freed['worst']['depth_mm'] > 4
+            and 5 < freed['largest_turn_deg'] < 15 and freed['passes_turned'] < found['passes'] / 2):
+        sys.exit(said)
+    plan_and_check(folder / 'pocket.mpf', '12_pocket_wall', 'trunnion-bc')
+    # The wall as a part of its own; what is machined counts anyway.
+    found, said = surface_plan('12_pocket_wall', 'pocket.toml', folder / 'alone.mpf', *wall, '--part', f'{examples}/12_pocket_wall/pocket.toml:2')
+    if not found['usable'] or found['part']['faces'] != 2:
+        sys.exit(said)
+    said = run('surface', 'list', examples / '11_hollow/bowl.toml')
+    if 'whole' not in said:
+        sys.exit(said)
