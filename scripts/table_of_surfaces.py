@@ -21,7 +21,7 @@ SERIES = [500, 200, 100, 50, 20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1]
 STRATEGIES = ['constant-scallop', 'along-u', 'along-v', 'parallel-planes']
 SCALLOPS = [0.01, 0.03, 0.1, 0.3, 1, 3]
 LONGEST_CUT_M = 40
-SECONDS, SECONDS_A_FACE = 15, 45
+SECONDS, SECONDS_A_FACE = 15, 30
 
 trunnion, folder = sys.argv[1], pathlib.Path(sys.argv[2])
 

@@ -147,7 +147,7 @@ TEST_P(NightlyFigures, OfAllSurfacesAndTools) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, NightlyFigures,
+INSTANTIATE_TEST_SUITE_P(Nightly, NightlyFigures,
                          testing::Values(Strategy::constant_scallop, Strategy::along_u, Strategy::along_v,
                                          Strategy::parallel_planes, Strategy::lin_koren));
 
