@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=release
 case "${1:-}" in release|dev|asan|tsan|clang|tidy) preset=$1; shift ;; esac
-case $preset in clang|tidy) scripts/install_dependencies.sh --developer ;; *) scripts/install_dependencies.sh --browser ;; esac
+case $preset in clang|tidy) scripts/install_dependencies.sh --developer ;; *) scripts/install_dependencies.sh --browser --python --docs ;; esac
 if [ "$preset" = tidy ]; then exec scripts/build.sh tidy all -- -k 0; fi
 scripts/build.sh "$preset" all all_verify_interface_header_sets
 exec ctest --preset "$preset" "$@"
