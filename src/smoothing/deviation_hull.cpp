@@ -11,6 +11,10 @@ namespace {
 constexpr int most_halvings = 6;
 constexpr double worth_halving = 1.01;  // a hull that exceeds the largest deviation seen by more than this
 
+double angle_of_chord(double chord) {
+    return 2 * std::asin(std::min(0.5 * chord, 1.0));
+}
+
 }  // namespace
 
 void widen(Extent& a, const Extent& b) {
@@ -117,7 +121,15 @@ double DeviationHull::beyond_frame(const Bernstein& d, const Coordinates& step, 
     return (half_turn + 0.5 * turn) * arm * turn + (half_turn + turn) * way;
 }
 
-/// Tip and tool move points of the flank together: in the same direction they add, in opposite ones they do not.
+/// The same of the tool axis alone, as the chord between two unit vectors.
+double DeviationHull::turn_beyond_frame(const Bernstein& d, const Coordinates& step) const {
+    double turn = 0;
+    for (const Coordinates& x : d) turn = std::max(turn, x.tail<3>().lpNorm<1>());
+    return (0.5 * step.tail<3>().lpNorm<1>() + 0.5 * turn) * turn;
+}
+
+/// Tip and tool move points of the flank together: in the same direction they add, in opposite ones they do not. So do
+/// two rotary axes that turn the tool.
 void DeviationHull::sharpen(Extent& hull, Extent& ends, const Bernstein& d, const Coordinates& from,
                             const Coordinates& to) const {
     const Frame at = frame(0.5 * (from + to));
@@ -129,6 +141,11 @@ void DeviationHull::sharpen(Extent& hull, Extent& ends, const Bernstein& d, cons
     };
     sharper(hull.tip, ends.tip, measure_.controlled_height_mm());
     sharper(hull.height, ends.height, measure_.flank_height_mm());
+    const auto turn = [&](const Coordinates& x) { return (at.axis * x).norm(); };
+    double linear = 0;
+    for (const Coordinates& x : d) linear = std::max(linear, turn(x));
+    hull.turn = std::min(hull.turn, angle_of_chord(linear + turn_beyond_frame(d, to - from)));
+    ends.turn = std::min(ends.turn, std::max(turn(d[0]), turn(d[7])));
 }
 
 Extent DeviationHull::over(const Bernstein& curve, const Coordinates& from, const Coordinates& to, double block_lever,

@@ -51,18 +51,56 @@ double largest_arm(const path::Run& run, VertexRange range) {
     return (arm + 0.5 * way) * std::exp(0.5 * turn);
 }
 
+/// What the two rotary axes' turns of the tool axis n have to do with each other: |∂n/∂θ₂|, which is the same
+/// everywhere, and the largest |∂n/∂θ₁ · ∂n/∂θ₂|. The latter is A + B cos(θ₂ − φ), known from three places.
+struct TurnsOfTwo {
+    double second = 1, product = 0;
+};
+
+constexpr double right_angle = 1e-12;  // below, two directions are perpendicular
+
+TurnsOfTwo turns_of_two(const machine::Kinematics& kinematics) {
+    const int first = kinematics.rotary_nearest_workpiece();
+    std::array<double, 3> products;
+    TurnsOfTwo out;
+    for (int k = 0; k < 3; ++k) {
+        std::array<Eigen::Vector3d, 2> rate;
+        for (int moved = 0; moved < 2; ++moved) {
+            machine::RotarySeries rotary;
+            for (int i = 0; i < 2; ++i)
+                rotary[i] = Taylor3(i == first ? 0 : k * std::numbers::pi / 1.5, i == moved ? 1 : 0, 0, 0);
+            const machine::VectorSeries axis = kinematics.tool_axis(rotary);
+            rate[moved] = {axis[0].d1(), axis[1].d1(), axis[2].d1()};
+        }
+        products[k] = rate[0].dot(rate[1]);
+        out.second = rate[1 - first].norm();
+    }
+    const double mean = (products[0] + products[1] + products[2]) / 3;
+    double square = 0;
+    for (const double product : products) square += (product - mean) * (product - mean);
+    out.product = std::abs(mean) + std::sqrt(square / 1.5);
+    if (out.product < right_angle) out.product = 0;
+    if (std::abs(out.second - 1) < right_angle) out.second = 1;
+    return out;
+}
+
 }  // namespace
 
 Measure::Measure(const path::Run& run, VertexRange range, const SmoothingOptions& options)
     : options_(options), vectors_(has_vectors(run)), lever_axis_(smoothing::lever_axis(run)) {
     if (run.space == path::Space::machine && run.kinematics && run.kinematics->rotary_count() > 0)
         arm_mm_ = largest_arm(run, range);
+    if (lever_axis_ < 0) return;
+    const TurnsOfTwo turns = turns_of_two(*run.kinematics);
+    other_lever_ = turns.second;
+    product_ = turns.product;
 }
 
 double Measure::turn(const Coordinates& d, double lever) const {
     if (lever_axis_ < 0) return d.tail<3>().norm();
-    const double nearest = lever * d[lever_axis_], other = d[lever_axis_ == 3 ? 4 : 3];
-    return std::sqrt(nearest * nearest + other * other);
+    const double nearest = lever * d[lever_axis_], other = other_lever_ * d[lever_axis_ == 3 ? 4 : 3];
+    const double product = std::min(product_, lever * other_lever_) * std::abs(d[3] * d[4]);
+    return std::sqrt(nearest * nearest + other * other + 2 * product);
 }
 
 double Measure::point(const Coordinates& d, double lever, double height_mm) const {

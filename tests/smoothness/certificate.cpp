@@ -106,6 +106,10 @@ Drawn draw(std::uint64_t seed) {
         walk.add(part, random.uniform(5, 40));
     }
     Drawn out{law, name_of(law) + ", " + (mixed ? "mixed" : name_of(parts[which])), walk.run(), tolerances()};
+    if (law.law == OrientationLaw::rotary && random.uniform(0, 1) < 0.5) {
+        smoothing::test::put_on(smoothing::test::inclined_table(), out.run);
+        out.kind += ", inclined";
+    }
     out.options.tip_tolerance_mm = std::pow(10, random.uniform(-2.5, -1));
     out.options.orientation_tolerance_rad = random.uniform(0.02, 0.3) * smoothing::test::degree;
     if (random.uniform(0, 1) < 0.3) {

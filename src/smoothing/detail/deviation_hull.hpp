@@ -38,6 +38,7 @@ class DeviationHull {
     Frame frame(const Coordinates& at) const;
     double point(const Frame& frame, const Coordinates& d, double height_mm) const;
     double beyond_frame(const Bernstein& d, const Coordinates& step, double height_mm) const;
+    double turn_beyond_frame(const Bernstein& d, const Coordinates& step) const;
     void sharpen(Extent& hull, Extent& ends, const Bernstein& d, const Coordinates& from, const Coordinates& to) const;
     Extent measured(const Coordinates& d, double lever) const;
     double take_across(Bernstein& d, const Bernstein& curve, const Coordinates& from, const Coordinates& to) const;

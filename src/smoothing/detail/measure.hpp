@@ -13,7 +13,8 @@ class Measure {
     /// `range` is what the lever arm of machine space is taken over.
     Measure(const path::Run& run, VertexRange range, const SmoothingOptions& options);
 
-    /// Angle of the tool, rad. `lever` is that of the axis nearest to the workpiece at the place.
+    /// Angle of the tool, rad; with two rotary axes a bound of it, exact where they turn the tool at right angles.
+    /// `lever` is that of the axis nearest to the workpiece at the place.
     double turn(const Coordinates& d, double lever) const;
     /// Deviation of the point `height_mm` up the tool axis from the tip, mm.
     double point(const Coordinates& d, double lever, double height_mm) const;
@@ -47,6 +48,8 @@ class Measure {
     bool vectors_;
     int lever_axis_;
     double arm_mm_ = 0;  // machine space: the tip moves at most so far per radian of a rotary axis
+    // Two rotary axes: |∂n/∂θ| of the one farther from the workpiece, and the largest |∂n/∂θ₁ · ∂n/∂θ₂|.
+    double other_lever_ = 1, product_ = 0;
 };
 
 /// Levers below this count as this much: a rotary axis is never quite free.

@@ -39,6 +39,28 @@ inline const machine::Kinematics& table() {
     return kinematics;
 }
 
+/// The same with an A axis that leans by 45° towards Z, as on nutating tables: the two axes do not turn the tool at
+/// right angles.
+inline const machine::Kinematics& inclined_table() {
+    static const auto kinematics = [] {
+        machine::Machine machine = trunnion_table();
+        machine.axes[3].direction = Eigen::Vector3d(0, 1, 1).normalized();
+        return machine::Kinematics::make(machine, {Eigen::Vector3d(0, 0, 50), Eigen::Matrix3d::Identity()}, 100)
+            .value();
+    }();
+    return kinematics;
+}
+
+/// The run's words on another machine.
+inline void put_on(const machine::Kinematics& kinematics, path::Run& run) {
+    run.kinematics = &kinematics;
+    for (std::size_t i = 0; i < run.blocks.size(); ++i) {
+        path::Block& block = run.blocks[i];
+        const program::Arc* arc = block.arc == program::no_arc ? nullptr : &run.arcs[block.arc];
+        block.length_mm = path::block_length_mm(run, run.vertices[i], run.vertices[i + 1], arc);
+    }
+}
+
 using Pose = std::array<double, 6>;  // position, then orientation coordinates
 
 /// A run through poses; block lengths by the definition of p.

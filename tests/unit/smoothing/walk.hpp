@@ -52,11 +52,11 @@ struct Tool {
 inline Tool tool_at(const path::Run& run, const Pose& q) {
     const Eigen::Vector3d position(q[0], q[1], q[2]);
     if (run.space == path::Space::machine) {
-        const auto pose = table().forward({{q[0], q[1], q[2], q[3], q[4]}});
+        const auto pose = run.kinematics->forward({{q[0], q[1], q[2], q[3], q[4]}});
         return {pose.tip_in_workpiece_mm, pose.axis_in_workpiece};
     }
     if (run.law == path::OrientationLaw::vector) return {position, Eigen::Vector3d(q[3], q[4], q[5]).normalized()};
-    return {position, table().tool_axis(machine::RotaryPosition{q[3], q[4]})};
+    return {position, run.kinematics->tool_axis(machine::RotaryPosition{q[3], q[4]})};
 }
 
 /// Everything that a test wants to know of the stretches of a run, by dense evaluation.
@@ -108,7 +108,7 @@ inline void check_joints(const path::ToolPath& path, Walk& walk) {
 inline double speed_of(const path::Run& run, const Pose& at, const Pose& d) {
     Pose t = d;
     if (run.law == path::OrientationLaw::rotary || run.space == path::Space::machine)
-        t[4] *= std::max(table().lever({at[3], at[4]}), 0.1);
+        t[4] *= std::max(run.kinematics->lever({at[3], at[4]}), 0.1);
     return size_of(t);
 }
 
