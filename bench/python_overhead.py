@@ -32,12 +32,18 @@ def small_calls():
     curve = trunnion.BsplineCurve(3, [0, 0, 0, 0, 1, 1, 1, 1], np.eye(4, 3))
     surface = trunnion.BsplineSurface.polynomial(np.random.default_rng(1).normal(size=(4, 4, 3)))
     program = trunnion.program_from_poses(np.eye(3), [[0, 0, 1]] * 3, feed_mm_min=600)
+    stretch = trunnion.stretches(waves(4000), machine, trunnion.setup(SETUP))[0]
+    profile, planner = trunnion.plan_stretch(stretch), trunnion.LivePlanner(stretch)
+    planner.hold()  # planning is not what is measured
     position, tip, axis, u = np.zeros(5), np.zeros(3), np.array([0.0, 0.6, 0.8]), np.array([0.3])
     for name, call in [('kinematics.forward, 1 pose', lambda: kinematics.forward(position)),
                        ('kinematics.inverse, 1 pose', lambda: kinematics.inverse(tip, axis)),
                        ('curve(u), 1 place', lambda: curve(u)),
                        ('surface(u, v), 1 place', lambda: surface(u, u)),
                        ('program.positions_mm', lambda: program.positions_mm),
+                       ('stretch.axes(p), 1 place', lambda: stretch.axes(u)),
+                       ('profile.state(t), 1 time', lambda: profile.state(u)),
+                       ('planner.tick(), held', planner.tick),
                        ('corner_curve', lambda: trunnion.corner_curve(tip, position[:3] + axis, 2 * axis + u, 0.01))]:
         print(f'{name:<30}{least_us(call):8.2f} µs')
 

@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "trunnion/base/quantity.hpp"
+#include "trunnion/controller/contact_feed.hpp"
+#include "trunnion/machine/kinematics.hpp"
+#include "trunnion/pipeline/expand_surfaces.hpp"
 #include "trunnion/pipeline/plan.hpp"
 
 namespace trunnion::pipeline {
@@ -16,10 +22,65 @@ using motion::Prediction;
 
 namespace {
 
+/// How fast the tool in use goes against the part where it touches, from one setpoint to the next.
+class ContactFeed {
+  public:
+    ContactFeed(const program::Program& program, const machine::Machine& machine, const machine::Setup& setup,
+                double lead_rad)
+        : program_(program), machine_(machine), setup_(setup), lead_rad_(lead_rad) {
+        if (program.tools.size() > 1)
+            for (const program::Move& move : program.moves) tool_by_line_.emplace(move.line, move.tool);
+        if (!program.moves.empty()) tool_ = program.moves.front().tool;
+    }
+
+    /// NaN where the tool is not known.
+    double operator()(const motion::Setpoint& last, const motion::Setpoint& now,
+                      const machine::AxisVelocity& velocity) {
+        const auto found = tool_by_line_.find(now.line);
+        if (found != tool_by_line_.end()) tool_ = found->second;
+        const machine::Tool& tool = in_use();
+        const machine::Kinematics* kinematics = kinematics_of(tool);
+        if (!(tool.diameter_mm > 0) || !kinematics) return NAN;
+        const machine::Pose pose = kinematics->forward(now.position);
+        const Eigen::Vector3d way = pose.tip_in_workpiece_mm - kinematics->forward(last.position).tip_in_workpiece_mm;
+        if (way.norm() > 0) travel_ = way;
+        return controller::contact_velocity(
+                   way / (now.time_s - last.time_s),
+                   controller::tool_turning_rad_s(machine_, setup_.workpiece, now.position, velocity),
+                   controller::contact_from_tip_mm(tool, pose.axis_in_workpiece, travel_, lead_rad_))
+            .norm();
+    }
+
+  private:
+    const machine::Tool& in_use() const {
+        const std::string& name = program_.tools[tool_];
+        const machine::Tool* named = name.empty() ? nullptr : setup_.tool_named(name);
+        return named ? *named : setup_.tool;
+    }
+    const machine::Kinematics* kinematics_of(const machine::Tool& tool) {
+        auto known = kinematics_.find(tool_);
+        if (known == kinematics_.end()) {
+            auto made = machine::Kinematics::make(machine_, setup_.workpiece, tool.length_mm);
+            known = kinematics_.emplace(tool_, made ? std::optional(std::move(*made)) : std::nullopt).first;
+        }
+        return known->second ? &*known->second : nullptr;
+    }
+
+    const program::Program& program_;
+    const machine::Machine& machine_;
+    const machine::Setup& setup_;
+    double lead_rad_;
+    std::unordered_map<std::int32_t, std::uint16_t> tool_by_line_;  // empty: one tool throughout
+    std::uint16_t tool_ = 0;                                        // of the line before, where a line has no move
+    std::map<std::uint16_t, std::optional<machine::Kinematics>> kinematics_;
+    Eigen::Vector3d travel_ = Eigen::Vector3d::Zero();  // goes on where only the axes turn
+};
+
 /// Setpoints of our own planner as rows of a prediction.
 class SetpointRows : public PlanObserver {
   public:
-    explicit SetpointRows(const controller::RowTaker& take_row) : take_row_(take_row) {}
+    SetpointRows(ContactFeed contact_feed, const controller::RowTaker& take_row)
+        : contact_feed_(std::move(contact_feed)), take_row_(take_row) {}
 
     void setpoint(const motion::Setpoint& now) override {
         if (rows_++ > 0) add(now);
@@ -38,13 +99,14 @@ class SetpointRows : public PlanObserver {
                          .line = now.line,
                          .path_length_mm = now.path_length_mm,
                          .tip_feed_mm_s = now.feed_mm_s,
-                         .contact_feed_mm_s = NAN,
                          .limit = {motion::LimitKind::planner}};
         for (std::size_t a = 0; a < machine::max_axes; ++a)
             row.velocity[a] = (now.position[a] - last_.position[a]) / period;
+        row.contact_feed_mm_s = contact_feed_(last_, now, row.velocity);
         take_row_(row);
     }
 
+    ContactFeed contact_feed_;
     const controller::RowTaker& take_row_;
     motion::Setpoint last_;
     std::size_t rows_ = 0;
@@ -61,10 +123,25 @@ motion::Limit limit_named(const std::string& text, const machine::Machine& machi
     return {motion::LimitKind::planner};
 }
 
+/// As controller::predict refuses it.
+Result<void> check_lead(double lead_rad) {
+    if (std::abs(lead_rad) < 90 * degree) return {};
+    return fail({.code = "CTRL0204",
+                 .text = "the tool cannot lean so far along the feed",
+                 .value = fmt::format("{:g} deg", lead_rad / degree),
+                 .limit = "less than 90 deg"});
+}
+
 Result<Prediction> predict_ideal(const program::Program& program, const machine::Machine& machine,
                                  const machine::Setup& setup, const motion::Controller& controller,
                                  const PredictionOptions& options, const controller::RowTaker& take_row) {
-    SetpointRows rows(take_row);
+    if (auto good = check_lead(options.contact_lead_rad); !good) return fail(good.error());
+    if (!program.surface_jobs.empty()) {  // the lines of their passes tell the tool too
+        const auto expanded = expand_surfaces(program, setup);
+        if (!expanded) return fail(expanded.error());
+        return predict_ideal(*expanded, machine, setup, controller, options, take_row);
+    }
+    SetpointRows rows({program, machine, setup, options.contact_lead_rad}, take_row);
     const auto summary = plan(program, machine, setup, options.plan, rows);
     if (!summary) return fail(summary.error());
     Prediction out{.program = summary->program,

@@ -106,3 +106,56 @@ def test_a_linked_corner_turns_smoothly(trt):
         trunnion.DualCorner([0, 0, 0], *poses()[1:])
     with refused('PY0003', 'per_part'):
         linked.sample(trt, per_part=0)
+
+
+def rulings():
+    """The segments before and behind the corner of poses(), as paths."""
+    pairs = zip(poses(), poses()[1:])
+    return [trunnion.DualSpline(*[trunnion.BsplineCurve(1, [0, 0, 1, 1], [a[k], b[k]]) for k in (0, 1)]) for a, b in pairs]
+
+
+def test_a_link_between_any_paths():
+    corner = trunnion.DualCorner(*poses(), tip_tolerance_mm=0.02, top_tolerance_mm=0.005)
+    bottom, top = corner.curves.bottom, corner.curves.top
+    before, after = (part(segment, corner) for segment, part in zip(rulings(), (before_corner, behind_corner)))
+    link = trunnion.connect(before, bottom, top, after)
+    f = link([0, 0.5, 1])
+    assert f[0, 0] == 0 and f[2, 0] == 1 and (f[:, 1] > 0).all()
+    np.testing.assert_allclose(f[[0, 2], 1], corner.link([0.0, 1.0])[:, 1], rtol=1e-6)
+    np.testing.assert_allclose(link.inverse(f[:, 0]), [0, 0.5, 1], atol=1e-12)
+    tips, axes = link.poses(bottom, top, [0.0, 0.5])
+    np.testing.assert_allclose(np.linalg.norm(axes[:, 0], axis=1), 1, atol=1e-12)
+    length = np.linalg.norm(before.bottom.derivatives(before.end)[1])
+    np.testing.assert_allclose(axes[0, 1], before.axis(before.end)[1] / length, atol=1e-9)
+    assert np.abs(trunnion.DualCorner(*poses(), tip_tolerance_mm=0.02, top_tolerance_mm=0.005, link='linear').poses(0.0)[1][1]
+                  - axes[0, 1]).max() > 1e-4
+    with refused('SMTH0112'):
+        trunnion.connect(after, bottom, top, before)
+    with refused('PY0003', 'u'):
+        link(1.5)
+    with refused('PY0003', 'tangent_tolerance_deg'):
+        trunnion.connect(before, bottom, top, after, 0)
+
+
+def before_corner(segment, corner):
+    """The segment up to where the corner's curves begin."""
+    ends = [curve(curve.begin) for curve in (corner.curves.bottom, corner.curves.top)]
+    starts = [segment.bottom(0.0), segment.top(0.0)]
+    return trunnion.DualSpline(*[trunnion.BsplineCurve(1, [0, 0, 1, 1], [a, b]) for a, b in zip(starts, ends)])
+
+
+def behind_corner(segment, corner):
+    starts = [curve(curve.end) for curve in (corner.curves.bottom, corner.curves.top)]
+    ends = [segment.bottom(1.0), segment.top(1.0)]
+    return trunnion.DualSpline(*[trunnion.BsplineCurve(1, [0, 0, 1, 1], [a, b]) for a, b in zip(starts, ends)])
+
+
+def test_the_link_as_it_was_published():
+    corner = trunnion.DualCorner(*poses(), tip_tolerance_mm=0.02, top_tolerance_mm=0.005)
+    found = corner.discrete_link(0.002)
+    assert found['bottom'][[0, -1]].tolist() == found['top'][[0, -1]].tolist() == [0, 1] and (np.diff(found['top']) > 0).all()
+    np.testing.assert_allclose(found['spline'](found['bottom'])[:, 1], found['top'], atol=1e-9)
+    np.testing.assert_allclose(found['top'], corner.link(found['bottom'])[:, 0], atol=0.02)
+    for code, step in [('SMTH0121', 0), ('SMTH0121', 10), ('PY0002', math.nan)]:
+        with refused(code):
+            corner.discrete_link(step)

@@ -7,7 +7,7 @@ from conftest import ROOT
 def test_the_guide(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     blocks = re.findall(r'^```python\n(.*?)^```', (ROOT / 'docs/python.md').read_text(), re.M | re.S)
-    assert len(blocks) == 6
+    assert len(blocks) == 8
     names = {}
     for block in blocks:
         exec(compile(block, 'docs/python.md', 'exec'), names)

@@ -1,3 +1,4 @@
+import concurrent.futures
 import gc
 import math
 
@@ -64,6 +65,19 @@ def test_a_program_of_poses_written_and_read_again():
     np.testing.assert_allclose(program.moves['exact_stop'], [False, True, False])
 
 
+def test_poses_without_axes_are_upright(trt):
+    program = trunnion.program_from_poses([[0, 0, 0], [10, 0, 0]], feed_mm_min=600)
+    np.testing.assert_array_equal(program.axes, [[0, 0, 1], [0, 0, 1]])
+    assert list(program.moves['law']) == [0, 0] and trunnion.plan(program, trt).usable
+
+
+def test_moves_from_many_threads(waves):
+    """The type of the rows is made once: numpy's own way from text fails in two threads at once before Python 3.11.5."""
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        lines = list(pool.map(lambda _: int(waves.moves['line'][-1]), range(4000)))
+    assert set(lines) == {len(waves)}
+
+
 def test_writing(tmp_path, waves, trt):
     file = tmp_path / 'waves.mpf'
     told = waves.write(file, dialect='sinumerik', head=['by a test'])
@@ -92,7 +106,8 @@ def test_rotary_words(trt):
     ('PY0001', 'tips', dict(tips=np.zeros((0, 3)), axes=np.zeros((0, 3)), feed_mm_min=1)),
     ('PY0002', 'tips', dict(tips=[[0, 0, math.nan]], axes=[[0, 0, 1]], feed_mm_min=1)),
     ('PY0003', 'axes', dict(tips=[[0, 0, 0]], axes=[[0, 0, 0]], feed_mm_min=1)),
-    ('PY0001', 'axes', dict(tips=[[0, 0, 0]], feed_mm_min=1)),
+    ('PY0003', 'axes', dict(tips=[[0, 0, 0]], axes=[[0, 0, 1]], feed_mm_min=1, rotary_letters='A', rotary_deg=[[0]])),
+    ('PY0001', 'rotary_letters', dict(tips=[[0, 0, 0]], feed_mm_min=1, rotary_deg=[[0]])),
     ('PY0001', 'feed_mm_min', dict(tips=[[0, 0, 0]], axes=[[0, 0, 1]])),
     ('PY0001', 'feed_mm_min', dict(tips=[[0, 0, 0]], axes=[[0, 0, 1]], feed_mm_min=[1, 2])),
     ('PY0003', 'feed_mm_min', dict(tips=np.eye(3), axes=[[0, 0, 1]] * 3, feed_mm_min=-1)),

@@ -82,6 +82,20 @@ def test_a_dual_path():
     near = trunnion.DualPath(tips, axes, tip_tolerance_mm=0.05, orientation_tolerance_deg=0.1)
     assert 0 < near.fit['tip_deviation_mm'] <= 0.05
     assert len(near.spline.bottom.knots) < len(path.spline.bottom.knots)
+    u = np.linspace(0, 1, 40)**1.1
+    own = trunnion.DualPath(tips, axes, parameters=u)
+    assert (own.begin, own.end) == (0, 1)
+    np.testing.assert_allclose(own.poses(u)[0], tips, atol=1e-9)
+    weights = np.where(np.arange(40) == 20, 1000.0, 1.0)
+    drawn = trunnion.DualPath(tips, axes, tip_tolerance_mm=0.3, orientation_tolerance_deg=0.5, weights=weights)
+    even = trunnion.DualPath(tips, axes, tip_tolerance_mm=0.3, orientation_tolerance_deg=0.5)
+    off = [np.linalg.norm(one.poses(one.fit['parameters'][20])[0] - tips[20]) for one in (drawn, even)]
+    assert off[0] < 0.5 * off[1]
+    for code, name, options in [('PY0001', 'parameters', dict(parameters=u[:-1])), ('PY0001', 'parameters', dict(parameters=[])),
+                                ('PY0001', 'weights', dict(weights=[1])), ('PY0002', 'parameters', dict(parameters=u * np.nan)),
+                                ('DEFO0105', '', dict(parameters=u[::-1]))]:
+        with refused(code, name):
+            trunnion.DualPath(tips, axes, **options)
     with refused('DEFO0101'):
         trunnion.DualPath(tips[:2], axes[:2])
     with refused('PY0003', 'axes'):

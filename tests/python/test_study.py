@@ -95,6 +95,7 @@ def test_a_rotation_as_axis_and_angle(degrees):
 def test_tolerances_and_our_own_planner():
     table = rim(controller='ideal', period_s=0.01).over(tip_tolerance_mm=[0.001, 0.05], z_mm=[20]).run()
     assert table['cycle_time_s'][1] < table['cycle_time_s'][0] and np.nanmax(table['C_velocity_ratio']) < 1.01
+    assert ((0 <= table['contact_feed_loss']) & (table['contact_feed_loss'] < 1)).all()
 
 
 def test_lead_and_strategy():

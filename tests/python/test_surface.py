@@ -46,8 +46,27 @@ def test_motion_over_the_surface(trt):
     assert plan.usable and plan.summary['surface']['passes'] == passes.facts['passes']
     tips, _ = trt.forward(plan.setpoints[:, 1:6], setup)
     assert np.linalg.norm(tips[:, None] - passes.contacts['tips_mm'][:1], axis=-1).min() < 1e-3
+    with pytest.raises(TypeError, match='feed_mm_min'):
+        trunnion.move_surface(passes, trt, setup, feed_mm_min=100)
     with refused('PY0004', 'order'):
         trunnion.move_surface(passes, trt, setup, order='third')
+
+
+def test_passes_laid_while_moving(trt):
+    setup = trunnion.setup({'workpiece': {'origin': ['0 mm', '0 mm', '-120 mm']},
+                            'tool': {'kind': 'ball', 'diameter': '10 mm', 'length': '80 mm'}})
+    shares, options = [], dict(scallop_mm=0.2, period_s=0.004, tilt_deg=10)
+    plan = trunnion.move_surface_ahead(hump(), BALL, trt, setup, progress=shares.append, **options)
+    surface = plan.summary['surface']
+    assert plan.usable and surface['passes'] > 3 and plan.cycle_time_s > 1
+    tips, axes = trt.forward(plan.setpoints[:, 1:6], setup)
+    centres = tips + 5 * axes  # 5 mm over the hump in passes, higher up in links
+    over = np.hypot(centres[:, 0], centres[:, 2] + 60) - 60
+    assert over.min() == pytest.approx(5, abs=0.02)
+    with refused('PIPE0001'):
+        trunnion.move_surface_ahead(hump(), BALL, trt, setup, place_tolerance_mm=0)
+    with pytest.raises(TypeError, match='feed_override'):
+        trunnion.move_surface_ahead(hump(), BALL, trt, setup, feed_override=0.5)
 
 
 def test_files():

@@ -140,9 +140,8 @@ int count_of(py::handle object, const char* name) {
 }
 
 bool flag_of(py::handle object, const char* name) {
-    static const py::handle numpy_bool = py::object(py::module_::import("numpy").attr("bool_")).release();
     if (PyBool_Check(object.ptr())) return object.ptr() == Py_True;
-    if (!py::isinstance(object, numpy_bool)) refuse_type(name, "True or False", object);
+    if (!py::isinstance(object, py::dtype::of<bool>().attr("type"))) refuse_type(name, "True or False", object);
     return PyObject_IsTrue(object.ptr()) == 1;
 }
 

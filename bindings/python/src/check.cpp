@@ -132,9 +132,7 @@ py::object check(py::handle setpoints, const program::Program& program, const ma
 
 }  // namespace
 
-void bind_check(py::module_& module) {
-    module.def("check", &check, py::arg("setpoints"), py::arg("program"), py::arg("machine"),
-               py::arg("setup") = py::none(), R"(check(setpoints, program, machine, setup=None, **tolerances)
+constexpr const char* check_doc = R"(check(setpoints, program, machine, setup=None, **tolerances)
 --
 
 Independent verdict on setpoints: limits, tolerances, path covered. The GIL is released.
@@ -157,9 +155,9 @@ dict
 Raises
 ------
 Error
-    VER0206 rows that are not one period apart, other VERxxxx; PY0001 shape, PY0002 not finite.)");
-    module.def("programmed_poses", &programmed_poses, py::arg("program"), py::arg("machine"),
-               py::arg("setup") = py::none(), R"(programmed_poses(program, machine, setup=None, **tolerances)
+    VER0206 rows that are not one period apart, other VERxxxx; PY0001 shape, PY0002 not finite.)";
+
+constexpr const char* programmed_poses_doc = R"(programmed_poses(program, machine, setup=None, **tolerances)
 --
 
 The poses that a program asks for, with arcs, curves and moves of the machine axes as chords within 0.1 µm.
@@ -181,7 +179,13 @@ dict
 Raises
 ------
 Error
-    VER01xx, PATHxxxx with the line.)");
+    VER01xx, PATHxxxx with the line.)";
+
+void bind_check(py::module_& module) {
+    module.def("check", &check, py::arg("setpoints"), py::arg("program"), py::arg("machine"),
+               py::arg("setup") = py::none(), check_doc);
+    module.def("programmed_poses", &programmed_poses, py::arg("program"), py::arg("machine"),
+               py::arg("setup") = py::none(), programmed_poses_doc);
 }
 
 }  // namespace trunnion::python

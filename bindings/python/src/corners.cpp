@@ -6,6 +6,7 @@
 #include "trunnion/smoothing/corner_study.hpp"
 
 #include "bindings.hpp"
+#include "links.hpp"
 #include "machine.hpp"
 #include "series.hpp"
 
@@ -56,27 +57,21 @@ BoundCorner dual_corner(py::handle before, py::handle corner, py::handle after, 
     return {std::move(made), *link};
 }
 
-double share_of(double u) {
-    if (u >= 0 && u <= 1) return u;
-    refuse({.code = "PY0003", .text = "u: out of range", .value = std::to_string(u), .limit = "0 … 1"});
-}
-
-Array link_values(const BoundCorner& self, py::handle u) {
-    return at_each(numbers_of(u, "u"), {4}, [&](double at, double* out) {
-        const Taylor3 f = self.link.at(share_of(at));
-        for (int order = 0; order < 4; ++order) out[order] = derivative(f, order);
-    });
+Array corner_link(const BoundCorner& self, py::handle u) {
+    return link_values(self.link, u);
 }
 
 py::tuple poses(const BoundCorner& self, py::handle u) {
-    const Array at = numbers_of(u, "u");
-    const auto pose = [&](double share) {
-        const geometry::DualSpline& curves = self.corner.curves;
-        return smoothing::linked_pose(curves.bottom(), curves.top(), share_of(share), self.link.at(share));
-    };
-    return py::make_tuple(
-        at_each(at, {4, 3}, [&](double share, double* out) { put_derivatives(out, pose(share).tip_mm); }),
-        at_each(at, {4, 3}, [&](double share, double* out) { put_derivatives(out, pose(share).tool_axis); }));
+    return linked_poses(self.corner.curves.bottom(), self.corner.curves.top(), self.link, u);
+}
+
+py::dict discrete_link(const BoundCorner& self, py::handle step) {
+    auto found = value_of(smoothing::discrete_link(self.corner, number_of(step, "step_mm")));
+    py::dict out;
+    out["bottom"] = py::array(static_cast<py::ssize_t>(found.bottom.size()), found.bottom.data());
+    out["top"] = py::array(static_cast<py::ssize_t>(found.top.size()), found.top.data());
+    out["spline"] = std::move(found.spline);
+    return out;
 }
 
 py::dict sample(const BoundCorner& self, const machine::Machine& machine, py::handle setup, py::handle margin,
@@ -113,10 +108,7 @@ py::dict sample(const BoundCorner& self, const machine::Machine& machine, py::ha
 
 }  // namespace
 
-void bind_corners(py::module_& module) {
-    module.def("corner_curve", &corner_curve, py::arg("before_mm"), py::arg("corner_mm"), py::arg("after_mm"),
-               py::arg("tolerance_mm"), py::arg("ratio") = smoothing::usual_corner_ratio,
-               R"(corner_curve(before_mm, corner_mm, after_mm, tolerance_mm, ratio=1.4)
+constexpr const char* corner_curve_doc = R"(corner_curve(before_mm, corner_mm, after_mm, tolerance_mm, ratio=1.4)
 --
 
 The rounded corner of two segments: a cubic B-spline of five points over at most half of the shorter one.
@@ -139,9 +131,9 @@ Raises
 Error
     SMTH0101 tolerance, SMTH0102 a segment without length, SMTH0103 the way back is the way there, SMTH0104 ratio.
 
-Source: Beudaert 2013, §2.2 and appendix A.)");
+Source: Beudaert 2013, §2.2 and appendix A.)";
 
-    py::class_<BoundCorner>(module, "DualCorner", R"(DualCorner(before_mm, corner_mm, after_mm, **options)
+constexpr const char* dual_corner_doc = R"(DualCorner(before_mm, corner_mm, after_mm, **options)
 --
 
 A rounded five-axis corner: curves of the tip and of a point above it, and the link u_top = f(u) of their parameters.
@@ -162,12 +154,9 @@ Raises
 Error
     SMTH0101 to SMTH0104 as corner_curve(); SMTH0115 no link increases.
 
-Source: Beudaert 2013, §2.2 to §2.6; docs/theory/corner-rounding.md.)")
-        .def(py::init(&dual_corner), py::arg("before_mm"), py::arg("corner_mm"), py::arg("after_mm"))
-        .def_property_readonly(
-            "curves", [](const BoundCorner& self) { return self.corner.curves; },
-            "DualSpline: both curves over the knots 0 0 0 0 ½ 1 1 1 1.")
-        .def("link", &link_values, py::arg("u"), R"(link($self, /, u)
+Source: Beudaert 2013, §2.2 to §2.6; docs/theory/corner-rounding.md.)";
+
+constexpr const char* link_doc = R"(link($self, /, u)
 --
 
 u_top = f(u) and its first three derivatives.
@@ -179,8 +168,9 @@ u : array_like
 
 Returns
 -------
-ndarray, shape (*u.shape, 4))")
-        .def("poses", &poses, py::arg("u"), R"(poses($self, /, u)
+ndarray, shape (*u.shape, 4))";
+
+constexpr const char* poses_doc = R"(poses($self, /, u)
 --
 
 Tip and unit tool axis with three derivatives by the tip's path length, exact.
@@ -197,10 +187,34 @@ tips : ndarray, shape (*u.shape, 4, 3)
 axes : ndarray, shape (*u.shape, 4, 3)
     1, 1/mm, 1/mm², 1/mm³.
 
-Source: Beudaert 2013, Eq. B.1 to B.5, with the change of the distance.)")
-        .def("sample", &sample, py::arg("machine"), py::arg("setup") = py::none(), py::arg("margin_mm") = 1.0,
-             py::arg("height_mm") = 30.0, py::arg("per_part") = 50, py::arg("feed_mm_min") = 6000.0,
-             R"(sample($self, machine, setup=None, margin_mm=1.0, height_mm=30.0, per_part=50, feed_mm_min=6000.0)
+Source: Beudaert 2013, Eq. B.1 to B.5, with the change of the distance.)";
+
+constexpr const char* discrete_link_doc = R"(discrete_link($self, /, step_mm)
+--
+
+The parametrization spline as it was published: top parameters at three places a step apart after the entry and before the
+exit, each found so that Eq. 11 by backward Euler is least, interpolated by a cubic. For comparison; `link()` is what is
+used.
+
+Parameters
+----------
+step_mm : float
+    Above 0; six of them are no longer than the corner.
+
+Returns
+-------
+dict
+    `bottom`, `top` ndarray (8,), 0 and 1 at the ends; `spline` BsplineCurve (u_bottom, u_top, 0) over u_bottom.
+
+Raises
+------
+Error
+    SMTH0121 the step, SMTH0122 no parameter found; PY0001, PY0002.
+
+Source: Beudaert 2013, §2.5.)";
+
+constexpr const char* sample_doc =
+    R"(sample($self, machine, setup=None, margin_mm=1.0, height_mm=30.0, per_part=50, feed_mm_min=6000.0)
 --
 
 What a machine makes of the corner, from the segment before to the segment behind it.
@@ -225,7 +239,22 @@ dict
     Eq. 10; `axes` (n, 4, axes) positions and derivatives by length, mm and degrees. At joins two samples stand at one
     place.
 
-Source: Beudaert 2013, Eq. 10 and 11.)");
+Source: Beudaert 2013, Eq. 10 and 11.)";
+
+void bind_corners(py::module_& module) {
+    module.def("corner_curve", &corner_curve, py::arg("before_mm"), py::arg("corner_mm"), py::arg("after_mm"),
+               py::arg("tolerance_mm"), py::arg("ratio") = smoothing::usual_corner_ratio, corner_curve_doc);
+
+    py::class_<BoundCorner>(module, "DualCorner", dual_corner_doc)
+        .def(py::init(&dual_corner), py::arg("before_mm"), py::arg("corner_mm"), py::arg("after_mm"))
+        .def_property_readonly(
+            "curves", [](const BoundCorner& self) { return self.corner.curves; },
+            "DualSpline: both curves over the knots 0 0 0 0 ½ 1 1 1 1.")
+        .def("link", &corner_link, py::arg("u"), link_doc)
+        .def("poses", &poses, py::arg("u"), poses_doc)
+        .def("discrete_link", &discrete_link, py::arg("step_mm"), discrete_link_doc)
+        .def("sample", &sample, py::arg("machine"), py::arg("setup") = py::none(), py::arg("margin_mm") = 1.0,
+             py::arg("height_mm") = 30.0, py::arg("per_part") = 50, py::arg("feed_mm_min") = 6000.0, sample_doc);
 }
 
 }  // namespace trunnion::python

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include "trunnion/deformation/dual_path.hpp"
@@ -34,6 +35,17 @@ std::vector<machine::Pose> poses_of(py::handle tips, py::handle axes) {
     return out;
 }
 
+/// One number for each pose; none where it is not given.
+std::vector<double> take_numbers(Keywords& keywords, const char* name, std::size_t poses) {
+    const py::handle given = keywords.take(name);
+    if (!given) return {};
+    std::vector<double> out = list_of(given, name);
+    if (out.size() == poses) return out;
+    refuse({.code = "PY0001",
+            .text = fmt::format("{}: one for each of the {} poses wanted", name, poses),
+            .value = fmt::format("{}", out.size())});
+}
+
 BoundPath fit_path(py::handle tips, py::handle axes, const py::kwargs& given) {
     Keywords keywords(given, "DualPath");
     deformation::DualFit fit;
@@ -48,8 +60,10 @@ BoundPath fit_path(py::handle tips, py::handle axes, const py::kwargs& given) {
     constexpr Word<deformation::EndCondition> ends[]{{"natural", deformation::EndCondition::natural},
                                                      {"not_a_knot", deformation::EndCondition::not_a_knot}};
     keywords.word("ends", fit.ends, ends);
-    keywords.finish();
     const auto poses = poses_of(tips, axes);
+    fit.parameters = take_numbers(keywords, "parameters", poses.size());
+    fit.weights = take_numbers(keywords, "weights", poses.size());
+    keywords.finish();
     auto fitted = value_of([&] {
         const py::gil_scoped_release released;
         return deformation::fit_dual_path(poses, fit);
@@ -69,8 +83,7 @@ py::tuple path_poses(const BoundPath& self, py::handle u) {
         at_each(at, {3}, [&](double value, double* out) { put(out, self.path.at(value).axis_in_workpiece); }));
 }
 
-void bind_path(py::module_& module) {
-    py::class_<BoundPath>(module, "DualPath", R"(DualPath(tips, axes, **options)
+constexpr const char* dual_path_doc = R"(DualPath(tips, axes, **options)
 --
 
 A tool path as two cubic C² splines over the same knots: f of the tip, g of the point at a distance up the axis. What counts
@@ -90,26 +103,19 @@ tip_tolerance_mm, orientation_tolerance_deg : float
     Both 0 (default): through all poses; both above 0: within them, by least squares.
 parametrisation : {'chord_length', 'centripetal'}
 ends : {'not_a_knot', 'natural'}
+parameters : array_like, shape (n,), optional
+    The u of every pose, rising; None: by `parametrisation`.
+weights : array_like, shape (n,), optional
+    Of every pose in the least squares, above 0; None: all 1.
 
 Raises
 ------
 Error
     DEFO0101 to DEFO0107; PY0001 to PY0004 by the argument's name.
 
-Source: Affouard et al. 2004; Piegl & Tiller, The NURBS Book, §9.2-9.4.)")
-        .def(py::init(&fit_path), py::arg("tips"), py::arg("axes"))
-        .def_property_readonly(
-            "spline", [](const BoundPath& self) { return self.path.spline; }, "DualSpline: f and g.")
-        .def_property_readonly(
-            "begin", [](const BoundPath& self) { return self.path.begin(); }, "float: where u begins.")
-        .def_property_readonly(
-            "end", [](const BoundPath& self) { return self.path.end(); }, "float: where u ends.")
-        .def_property_readonly(
-            "distance_mm", [](const BoundPath& self) { return self.path.distance_mm; }, "float: of f and g.")
-        .def_readonly("fit", &BoundPath::facts, R"(dict, or None of a path that was not fitted.
+Source: Affouard et al. 2004; Piegl & Tiller, The NURBS Book, §9.2-9.4.)";
 
-`parameters` (n,) u of every pose; `tip_deviation_mm`, `orientation_deviation_deg` at the poses; `distance_error_mm`.)")
-        .def("poses", &path_poses, py::arg("u"), R"(poses($self, /, u)
+constexpr const char* poses_doc = R"(poses($self, /, u)
 --
 
 Tip and unit tool axis.
@@ -123,7 +129,23 @@ Returns
 -------
 tips : ndarray, shape (*u.shape, 3)
     mm.
-axes : ndarray, shape (*u.shape, 3))");
+axes : ndarray, shape (*u.shape, 3))";
+
+void bind_path(py::module_& module) {
+    py::class_<BoundPath>(module, "DualPath", dual_path_doc)
+        .def(py::init(&fit_path), py::arg("tips"), py::arg("axes"))
+        .def_property_readonly(
+            "spline", [](const BoundPath& self) { return self.path.spline; }, "DualSpline: f and g.")
+        .def_property_readonly(
+            "begin", [](const BoundPath& self) { return self.path.begin(); }, "float: where u begins.")
+        .def_property_readonly(
+            "end", [](const BoundPath& self) { return self.path.end(); }, "float: where u ends.")
+        .def_property_readonly(
+            "distance_mm", [](const BoundPath& self) { return self.path.distance_mm; }, "float: of f and g.")
+        .def_readonly("fit", &BoundPath::facts, R"(dict, or None of a path that was not fitted.
+
+`parameters` (n,) u of every pose; `tip_deviation_mm`, `orientation_deviation_deg` at the poses; `distance_error_mm`.)")
+        .def("poses", &path_poses, py::arg("u"), poses_doc);
 }
 
 constexpr Word<deformation::FlankKind> flank_kinds[]{{"cylinder", deformation::FlankKind::cylinder},
@@ -237,8 +259,7 @@ py::list singular_cones(const machine::Machine& machine, py::handle turn_rate, p
     return out;
 }
 
-void bind_flank(py::module_& module) {
-    py::class_<FlankTool>(module, "FlankTool", R"(FlankTool(kind, radius_mm, **options)
+constexpr const char* flank_tool_doc = R"(FlankTool(kind, radius_mm, **options)
 --
 
 The side of a tool of revolution.
@@ -256,10 +277,9 @@ outline_radius_mm, widest_height_mm : float
 Raises
 ------
 Error
-    PY0001 to PY0004 by the argument's name; DEFO0111 where it is used.)")
-        .def(py::init(&make_flank_tool), py::arg("kind"), py::arg("radius_mm"));
-    py::class_<SplineSurface, std::shared_ptr<SplineSurface>>(module, "GuidedSurface",
-                                                              R"(GuidedSurface(rows_mm, side='along')
+    PY0001 to PY0004 by the argument's name; DEFO0111 where it is used.)";
+
+constexpr const char* guided_surface_doc = R"(GuidedSurface(rows_mm, side='along')
 --
 
 The surface that the side of a tool is to leave, through guide curves.
@@ -274,11 +294,9 @@ side : {'along', 'against'}
 Raises
 ------
 Error
-    DEFO0112; PY0001 to PY0004 by the argument's name.)")
-        .def(py::init(&guided_surface), py::arg("rows_mm"), py::arg("side") = "along")
-        .def_property_readonly("surface", &SplineSurface::surface, "BsplineSurface.");
-    module.def("deviation_map", &deviation_map, py::arg("path"), py::arg("tool"), py::arg("surface"),
-               R"(deviation_map(path, tool, surface, **options)
+    DEFO0112; PY0001 to PY0004 by the argument's name.)";
+
+constexpr const char* deviation_map_doc = R"(deviation_map(path, tool, surface, **options)
 --
 
 Signed deviations of what a tool's side leaves from a surface: above 0 material stays. The GIL is released.
@@ -303,9 +321,9 @@ Raises
 Error
     DEFO0111 tool or heights, DEFO0112, DEFO0113 no envelope at a place.
 
-Source: condition n·V = 0 on the tool's side; Lartigue, Duc, Affouard 2003.)");
-    module.def("deform_flank_path", &deform_flank_path, py::arg("path"), py::arg("tool"), py::arg("surface"),
-               R"(deform_flank_path(path, tool, surface, **options)
+Source: condition n·V = 0 on the tool's side; Lartigue, Duc, Affouard 2003.)";
+
+constexpr const char* deform_flank_path_doc = R"(deform_flank_path(path, tool, surface, **options)
 --
 
 Moves the control points of a path so that the tool's side fits a surface. The GIL is released.
@@ -335,9 +353,9 @@ Raises
 Error
     DEFO0105, DEFO0110, DEFO0115 and those of deviation_map().
 
-Source: Affouard et al. 2004; Lartigue, Duc, Affouard 2003.)");
-    module.def("two_point_poses", &two_point_poses, py::arg("surface"), py::arg("tool"), py::arg("count"),
-               py::arg("lower_height_mm") = 0.0, R"(two_point_poses(surface, tool, count, lower_height_mm=0.0)
+Source: Affouard et al. 2004; Lartigue, Duc, Affouard 2003.)";
+
+constexpr const char* two_point_poses_doc = R"(two_point_poses(surface, tool, count, lower_height_mm=0.0)
 --
 
 Poses at which the tool's side passes both edges of a surface: the usual positioning on a blade.
@@ -358,9 +376,9 @@ tips, axes : ndarray, shape (count, 3)
 Raises
 ------
 Error
-    DEFO0105, DEFO0111, DEFO0112, DEFO0114.)");
-    module.def("singular_cones", &singular_cones, py::arg("machine"), py::arg("turn_rate_deg_s"),
-               py::arg("setup") = py::none(), R"(singular_cones(machine, turn_rate_deg_s, setup=None)
+    DEFO0105, DEFO0111, DEFO0112, DEFO0114.)";
+
+constexpr const char* singular_cones_doc = R"(singular_cones(machine, turn_rate_deg_s, setup=None)
 --
 
 Where the rotary axes lose a degree of freedom, and how far around the tool cannot be turned at a rate.
@@ -382,7 +400,22 @@ Raises
 Error
     MACH01xx; PY0001 to PY0003 by the argument's name.
 
-Source: docs/theory/singular-cone.md.)");
+Source: docs/theory/singular-cone.md.)";
+
+void bind_flank(py::module_& module) {
+    py::class_<FlankTool>(module, "FlankTool", flank_tool_doc)
+        .def(py::init(&make_flank_tool), py::arg("kind"), py::arg("radius_mm"));
+    py::class_<SplineSurface, std::shared_ptr<SplineSurface>>(module, "GuidedSurface", guided_surface_doc)
+        .def(py::init(&guided_surface), py::arg("rows_mm"), py::arg("side") = "along")
+        .def_property_readonly("surface", &SplineSurface::surface, "BsplineSurface.");
+    module.def("deviation_map", &deviation_map, py::arg("path"), py::arg("tool"), py::arg("surface"),
+               deviation_map_doc);
+    module.def("deform_flank_path", &deform_flank_path, py::arg("path"), py::arg("tool"), py::arg("surface"),
+               deform_flank_path_doc);
+    module.def("two_point_poses", &two_point_poses, py::arg("surface"), py::arg("tool"), py::arg("count"),
+               py::arg("lower_height_mm") = 0.0, two_point_poses_doc);
+    module.def("singular_cones", &singular_cones, py::arg("machine"), py::arg("turn_rate_deg_s"),
+               py::arg("setup") = py::none(), singular_cones_doc);
 }
 
 }  // namespace

@@ -179,8 +179,7 @@ std::string chain(const Machine& machine) {
     return out;
 }
 
-void bind_kinematics(py::module_& module) {
-    py::class_<BoundKinematics>(module, "Kinematics", R"(Kinematics(machine, setup=None)
+constexpr const char* kinematics_doc = R"(Kinematics(machine, setup=None)
 --
 
 The geometry of one machine with the tool and the workpiece of one setup: positions are in mm and degrees in the order of
@@ -197,9 +196,9 @@ Raises
 Error
     MACH0101 to MACH0103 a chain that cannot set a tool.
 
-Source: closed form by the spherical triangle of both rotary axes; for `C A X Y Z` Lavernhe 2006, Eq. 3.)")
-        .def(py::init(&kinematics_of), py::arg("machine"), py::arg("setup") = py::none())
-        .def("forward", &forward, py::arg("positions"), R"(forward($self, /, positions)
+Source: closed form by the spherical triangle of both rotary axes; for `C A X Y Z` Lavernhe 2006, Eq. 3.)";
+
+constexpr const char* forward_doc = R"(forward($self, /, positions)
 --
 
 Poses of axis positions.
@@ -219,9 +218,9 @@ axes : ndarray, shape (..., 3)
 Raises
 ------
 Error
-    PY0001 shape or type, PY0002 not finite.)")
-        .def("inverse", &inverse, py::arg("tips"), py::arg("axes"), py::arg("near_deg") = py::none(),
-             R"(inverse($self, /, tips, axes, near_deg=None)
+    PY0001 shape or type, PY0002 not finite.)";
+
+constexpr const char* inverse_doc = R"(inverse($self, /, tips, axes, near_deg=None)
 --
 
 Axis positions of poses: each on the branch and winding nearest to the pose before, the first nearest to `near_deg`. Ranges
@@ -244,9 +243,9 @@ ndarray, shape (..., axes)
 Raises
 ------
 Error
-    PATH0101 an orientation out of reach; PY0001, PY0002, PY0003 by the argument's name.)")
-        .def("inverse_derivatives", &inverse_derivatives, py::arg("tips"), py::arg("axes"),
-             py::arg("near_deg") = py::none(), R"(inverse_derivatives($self, /, tips, axes, near_deg=None)
+    PATH0101 an orientation out of reach; PY0001, PY0002, PY0003 by the argument's name.)";
+
+constexpr const char* inverse_derivatives_doc = R"(inverse_derivatives($self, /, tips, axes, near_deg=None)
 --
 
 The same with three derivatives by any parameter, exact to rounding.
@@ -267,8 +266,9 @@ ndarray, shape (..., 4, axes)
 Raises
 ------
 Error
-    As inverse().)")
-        .def("branches", &branches, py::arg("axes"), R"(branches($self, /, axes)
+    As inverse().)";
+
+constexpr const char* branches_doc = R"(branches($self, /, axes)
 --
 
 All rotary positions that give an orientation, each in ]-180, 180] degrees.
@@ -282,8 +282,37 @@ Returns
 -------
 ndarray, shape (..., 2, rotary axes)
     Degrees; rows of NaN where there are fewer than two: out of reach, at a pole (the axis nearest to the workpiece is then
-    given as 0) and at a rim.)");
+    given as 0) and at a rim.)";
+
+void bind_kinematics(py::module_& module) {
+    py::class_<BoundKinematics>(module, "Kinematics", kinematics_doc)
+        .def(py::init(&kinematics_of), py::arg("machine").none(false), py::arg("setup") = py::none())
+        .def("forward", &forward, py::arg("positions"), forward_doc)
+        .def("inverse", &inverse, py::arg("tips"), py::arg("axes"), py::arg("near_deg") = py::none(), inverse_doc)
+        .def("inverse_derivatives", &inverse_derivatives, py::arg("tips"), py::arg("axes"),
+             py::arg("near_deg") = py::none(), inverse_derivatives_doc)
+        .def("branches", &branches, py::arg("axes"), branches_doc);
 }
+
+constexpr const char* axes_doc = R"(list of dict: linear axes, then rotary ones, each in alphabetical order.
+
+`letter`, `rotary`, `reversed`, `range` (least, most; mm or degrees, infinite: endless), `limits` and `rapid_limits` with
+`velocity`, `acceleration`, `jerk` in mm or degrees, by s, s² and s³.)";
+
+constexpr const char* machine_kinematics_doc = R"(kinematics($self, /, setup=None)
+--
+
+Its geometry with a setup: `Kinematics(machine, setup)`.)";
+
+constexpr const char* machine_forward_doc = R"(forward($self, positions, setup=None)
+--
+
+Poses of axis positions: `kinematics(setup).forward(positions)`.)";
+
+constexpr const char* machine_inverse_doc = R"(inverse($self, tips, axes, setup=None, near_deg=None)
+--
+
+Axis positions of poses: `kinematics(setup).inverse(tips, axes, near_deg)`.)";
 
 void bind_machine_class(py::module_& module) {
     py::class_<Machine, std::shared_ptr<Machine>>(module, "Machine",
@@ -291,11 +320,7 @@ void bind_machine_class(py::module_& module) {
         .def_readonly("name", &Machine::name, "str: as the file says.")
         .def_readonly("file", &Machine::file, "str: where it was read from.")
         .def_property_readonly("chain", &chain, "str: letters from workpiece to tool.")
-        .def_property_readonly("axes", &axes,
-                               R"(list of dict: linear axes, then rotary ones, each in alphabetical order.
-
-`letter`, `rotary`, `reversed`, `range` (least, most; mm or degrees, infinite: endless), `limits` and `rapid_limits` with
-`velocity`, `acceleration`, `jerk` in mm or degrees, by s, s² and s³.)")
+        .def_property_readonly("axes", &axes, axes_doc)
         .def_property_readonly(
             "columns",
             [](const Machine& machine) {
@@ -305,29 +330,20 @@ void bind_machine_class(py::module_& module) {
                 return out;
             },
             "list of str: the axes as columns of positions, such as `X_mm` and `A_deg`.")
-        .def("kinematics", &kinematics_of, py::arg("setup") = py::none(), R"(kinematics($self, /, setup=None)
---
-
-Its geometry with a setup: `Kinematics(machine, setup)`.)")
+        .def("kinematics", &kinematics_of, py::arg("setup") = py::none(), machine_kinematics_doc)
         .def(
             "forward",
             [](std::shared_ptr<Machine> self, py::handle positions, py::handle setup) {
                 return forward(kinematics_of(std::move(self), setup), positions);
             },
-            py::arg("positions"), py::arg("setup") = py::none(), R"(forward($self, positions, setup=None)
---
-
-Poses of axis positions: `kinematics(setup).forward(positions)`.)")
+            py::arg("positions"), py::arg("setup") = py::none(), machine_forward_doc)
         .def(
             "inverse",
             [](std::shared_ptr<Machine> self, py::handle tips, py::handle axes, py::handle setup, py::handle near) {
                 return inverse(kinematics_of(std::move(self), setup), tips, axes, near);
             },
             py::arg("tips"), py::arg("axes"), py::arg("setup") = py::none(), py::arg("near_deg") = py::none(),
-            R"(inverse($self, tips, axes, setup=None, near_deg=None)
---
-
-Axis positions of poses: `kinematics(setup).inverse(tips, axes, near_deg)`.)")
+            machine_inverse_doc)
         .def("__repr__", [](const Machine& machine) {
             return fmt::format("<trunnion.Machine {}: {}>", machine.name, chain(machine));
         });
@@ -351,8 +367,7 @@ Tool make_tool(py::handle kind, py::handle diameter, py::handle corner_radius, p
     return out;
 }
 
-void bind_tool(py::module_& module) {
-    py::class_<Tool>(module, "Tool", R"(Tool(kind, diameter_mm, corner_radius_mm=0.0, length_mm=0.0)
+constexpr const char* tool_doc = R"(Tool(kind, diameter_mm, corner_radius_mm=0.0, length_mm=0.0)
 --
 
 A cutting tool.
@@ -370,7 +385,10 @@ length_mm : float
 Raises
 ------
 Error
-    PY0001 to PY0004 by the argument's name.)")
+    PY0001 to PY0004 by the argument's name.)";
+
+void bind_tool(py::module_& module) {
+    py::class_<Tool>(module, "Tool", tool_doc)
         .def(py::init(&make_tool), py::arg("kind"), py::arg("diameter_mm"), py::arg("corner_radius_mm") = 0.0,
              py::arg("length_mm") = 0.0)
         .def_property_readonly(

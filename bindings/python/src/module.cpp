@@ -25,11 +25,17 @@ PYBIND11_MODULE(_core, module) {
     bind_machine(module);
     bind_program(module);
     bind_plan(module);
+    bind_stretches(module);
+    bind_speed(module);
     bind_check(module);
     bind_predict(module);
     bind_reshape(module);
+    bind_links(module);
     bind_corners(module);
     bind_deformation(module);
+    bind_faces(module);
     bind_surfacing(module);
+    bind_surface_motion(module);
+    bind_orientation(module);
     module.attr("__version__") = TRUNNION_VERSION;
 }

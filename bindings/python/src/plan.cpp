@@ -47,31 +47,12 @@ py::object column(const py::object& table, const std::vector<std::string>& names
 
 }  // namespace
 
-void bind_plan(py::module_& module) {
-    py::class_<BoundPlan>(module, "Plan", R"(What planning came to.
-
-`plan["X_mm"]` is one column of `setpoints`, without a copy.)")
-        .def_readonly("setpoints", &BoundPlan::setpoints,
-                      R"(ndarray, shape (n, columns): one row a period, from rest to rest.
-
-Axes in mm and degrees (unwrapped), the rest as `columns` says. The memory that planning filled, not copied.)")
-        .def_readonly("columns", &BoundPlan::columns,
-                      "list of str: of `setpoints`: t_s, one an axis such as X_mm or A_deg, line, s_mm, feed_mm_min.")
-        .def("__getitem__",
-             [](const BoundPlan& self, const std::string& name) { return column(self.setpoints, self.columns, name); })
-        .def_readonly("path", &BoundPlan::path, R"(ndarray, shape (m, path_columns), or None: only with `path=True`.
+constexpr const char* path_doc = R"(ndarray, shape (m, path_columns), or None: only with `path=True`.
 
 Geometry and speed along the path; speeds are dp/dt, derivatives of the axes by p in mm or degrees per mm^k. Where a
-derivative jumps two rows stand at the same p.)")
-        .def_readonly("path_columns", &BoundPlan::path_columns, "list of str: of `path`.")
-        .def(
-            "path_column",
-            [](const BoundPlan& self, const std::string& name) {
-                if (self.path.is_none())
-                    refuse({.code = "PY0003", .text = "name: the plan has no path", .hint = "plan(…, path=True)"});
-                return column(self.path, self.path_columns, name);
-            },
-            py::arg("name"), R"(path_column($self, name)
+derivative jumps two rows stand at the same p.)";
+
+constexpr const char* path_column_doc = R"(path_column($self, name)
 --
 
 One column of `path`, without a copy.
@@ -81,27 +62,14 @@ Raises
 Error
     PY0003 planned without `path=True`.
 KeyError
-    No such column.)")
-        .def_readonly("events", &BoundPlan::events,
-                      "list of dict: `time_s`, `s_mm`, `kind`, `word`, `line` of what happens besides motion.")
-        .def_property_readonly(
-            "summary", [](const BoundPlan& self) { return from_json(self.json); },
-            "dict: what `trunnion plan --summary` writes as JSON.")
-        .def_readonly("diagnostics", &BoundPlan::diagnostics, "list of Diagnostic: what was noticed.")
-        .def_readonly("cycle_time_s", &BoundPlan::cycle_time_s, "float: s.")
-        .def_readonly("period_s", &BoundPlan::period_s, "float: s between setpoints.")
-        .def_readonly("usable", &BoundPlan::usable, "bool: all limits and tolerances hold.")
-        .def(
-            "report", [](const BoundPlan& self) { return self.report; }, R"(report($self)
+    No such column.)";
+
+constexpr const char* report_doc = R"(report($self)
 --
 
-A dozen lines for a person.)")
-        .def("__repr__", [](const BoundPlan& self) {
-            return fmt::format("<trunnion.Plan: {:.3f} s{}>", self.cycle_time_s, self.usable ? "" : ", not usable");
-        });
+A dozen lines for a person.)";
 
-    module.def("plan", &plan, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(),
-               R"(plan(program, machine, setup=None, **options)
+constexpr const char* plan_doc = R"(plan(program, machine, setup=None, **options)
 --
 
 Program to jerk-limited axis setpoints: smoothed within the tolerances, in the least time that the limits of all axes
@@ -158,7 +126,46 @@ Error
 KeyboardInterrupt
     Nothing is left half done.
 
-Source: docs/theory/feed-planning.md; rounding 'beudaert' is Beudaert 2013.)");
+Source: docs/theory/feed-planning.md; rounding 'beudaert' is Beudaert 2013.)";
+
+void bind_plan(py::module_& module) {
+    py::class_<BoundPlan>(module, "Plan", R"(What planning came to.
+
+`plan["X_mm"]` is one column of `setpoints`, without a copy.)")
+        .def_readonly("setpoints", &BoundPlan::setpoints,
+                      R"(ndarray, shape (n, columns): one row a period, from rest to rest.
+
+Axes in mm and degrees (unwrapped), the rest as `columns` says. The memory that planning filled, not copied.)")
+        .def_readonly("columns", &BoundPlan::columns,
+                      "list of str: of `setpoints`: t_s, one an axis such as X_mm or A_deg, line, s_mm, feed_mm_min.")
+        .def("__getitem__",
+             [](const BoundPlan& self, const std::string& name) { return column(self.setpoints, self.columns, name); })
+        .def_readonly("path", &BoundPlan::path, path_doc)
+        .def_readonly("path_columns", &BoundPlan::path_columns, "list of str: of `path`.")
+        .def(
+            "path_column",
+            [](const BoundPlan& self, const std::string& name) {
+                if (self.path.is_none())
+                    refuse({.code = "PY0003", .text = "name: the plan has no path", .hint = "plan(…, path=True)"});
+                return column(self.path, self.path_columns, name);
+            },
+            py::arg("name"), path_column_doc)
+        .def_readonly("events", &BoundPlan::events,
+                      "list of dict: `time_s`, `s_mm`, `kind`, `word`, `line` of what happens besides motion.")
+        .def_property_readonly(
+            "summary", [](const BoundPlan& self) { return from_json(self.json); },
+            "dict: what `trunnion plan --summary` writes as JSON.")
+        .def_readonly("diagnostics", &BoundPlan::diagnostics, "list of Diagnostic: what was noticed.")
+        .def_readonly("cycle_time_s", &BoundPlan::cycle_time_s, "float: s.")
+        .def_readonly("period_s", &BoundPlan::period_s, "float: s between setpoints.")
+        .def_readonly("usable", &BoundPlan::usable, "bool: all limits and tolerances hold.")
+        .def(
+            "report", [](const BoundPlan& self) { return self.report; }, report_doc)
+        .def("__repr__", [](const BoundPlan& self) {
+            return fmt::format("<trunnion.Plan: {:.3f} s{}>", self.cycle_time_s, self.usable ? "" : ", not usable");
+        });
+
+    module.def("plan", &plan, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(), plan_doc);
 }
 
 }  // namespace trunnion::python

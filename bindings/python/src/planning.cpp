@@ -22,15 +22,19 @@ void take_tolerances(Keywords& keywords, smoothing::SmoothingOptions& options) {
     keywords.number("flank_height_mm", options.flank_height_mm);
 }
 
+void take_feed_options(Keywords& keywords, feed::FeedOptions& options) {
+    keywords.number("calm", options.calm);
+    keywords.number("jerk_margin", options.jerk_margin);
+    keywords.number("chord_error_mm", options.chord_error_mm);
+    keywords.number("tip_acceleration_mm_s2", options.tip_acceleration_mm_s2);
+    keywords.number("tip_jerk_mm_s3", options.tip_jerk_mm_s3);
+    keywords.number("tool_turn_deg_s", options.turn_velocity_rad_s, degree);
+}
+
 pipeline::PlanOptions take_plan_options(Keywords& keywords) {
     pipeline::PlanOptions out;
     take_tolerances(keywords, out.smoothing);
-    keywords.number("calm", out.feed.calm);
-    keywords.number("jerk_margin", out.feed.jerk_margin);
-    keywords.number("chord_error_mm", out.feed.chord_error_mm);
-    keywords.number("tip_acceleration_mm_s2", out.feed.tip_acceleration_mm_s2);
-    keywords.number("tip_jerk_mm_s3", out.feed.tip_jerk_mm_s3);
-    keywords.number("tool_turn_deg_s", out.feed.turn_velocity_rad_s, degree);
+    take_feed_options(keywords, out.feed);
     keywords.number("period_s", out.period_s);
     keywords.number("feed_override", out.feed_override);
     keywords.number("feed_mm_min", out.feed_mm_s, 1.0 / 60);

@@ -16,6 +16,8 @@ namespace trunnion::python {
 
 /// Tolerances and how corners are rounded.
 void take_tolerances(Keywords& keywords, smoothing::SmoothingOptions& options);
+/// What the speed is planned with, but for the period.
+void take_feed_options(Keywords& keywords, feed::FeedOptions& options);
 /// These and all else that planning takes.
 pipeline::PlanOptions take_plan_options(Keywords& keywords);
 

@@ -1,5 +1,7 @@
 #include "trunnion/pipeline/predict.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -51,6 +53,26 @@ void append(std::vector<double>& samples, const motion::PredictedRow& row, const
         samples.push_back(row.velocity[static_cast<std::size_t>(i)] / unit_of(machine.axes[i]));
 }
 
+/// How much of a program the motion has passed, by the lines that it has come to.
+class LineShare {
+  public:
+    explicit LineShare(const program::Program& program) {
+        for (const program::Move& move : program.moves) {
+            first_ = std::min(first_, move.line);
+            last_ = std::max(last_, move.line);
+        }
+    }
+    /// Never falls.
+    double at(std::int32_t line) {
+        if (last_ > first_) share_ = std::max(share_, static_cast<double>(line - first_) / (last_ - first_));
+        return std::min(share_, 1.0);
+    }
+
+  private:
+    std::int32_t first_ = std::numeric_limits<std::int32_t>::max(), last_ = 0;
+    double share_ = 0;
+};
+
 pipeline::PredictionOptions take_prediction_options(Keywords& keywords) {
     pipeline::PredictionOptions out{.plan = take_plan_options(keywords)};
     keywords.number("contact_tilt_deg", out.contact_lead_rad, degree);
@@ -64,13 +86,15 @@ BoundPrediction predict(const program::Program& program, const machine::Machine&
     const auto options = take_prediction_options(keywords);
     bool wanted = false;
     keywords.flag("samples", wanted);
+    const py::handle progress = keywords.take("progress");
     keywords.finish();
     const machine::Setup& placed = setup_of(setup);
-    Watch watch(Py_None);
+    Watch watch(progress ? progress : py::handle(Py_None));
+    LineShare share(program);
     std::vector<double> samples;
     const auto take_row = [&](const motion::PredictedRow& row) {
         if (wanted) append(samples, row, machine);
-        if (!watch.goes_on(0)) throw Interrupted{};
+        if (!watch.goes_on(share.at(row.line))) throw Interrupted{};
     };
     const auto prediction = [&]() -> Result<motion::Prediction> {
         const py::gil_scoped_release released;
@@ -130,33 +154,17 @@ void bind_controller(py::module_& module) {
 
 }  // namespace
 
-void bind_predict(py::module_& module) {
-    bind_controller(module);
-    py::class_<BoundPrediction>(module, "Prediction", "What a control will make of a program; made by `predict()`.")
-        .def_readonly("cycle_time_s", &BoundPrediction::cycle_time_s, "float: s.")
-        .def_property_readonly(
-            "summary", [](const BoundPrediction& self) { return from_json(self.json); },
-            "dict: what `trunnion predict --summary` writes as JSON.")
-        .def_readonly("samples", &BoundPrediction::samples,
-                      R"(ndarray, shape (n, columns), or None: only with `samples=True`.
+constexpr const char* samples_doc = R"(ndarray, shape (n, columns), or None: only with `samples=True`.
 
 Rows where the law of the speed changes; between two of them the axes go straight. Where velocities jump two rows have one
-time. NaN: the contact feed where the tool is not known.)")
-        .def_readonly("columns", &BoundPrediction::columns,
-                      "list of str: t_s, axes, line, s_mm, feed_mm_min, contact_feed_mm_min, velocities of the axes.")
-        .def_property_readonly("line_times", &line_times,
-                               "ndarray, shape (m, 3): line, when it begins and how long it takes, s.")
-        .def_readonly("diagnostics", &BoundPrediction::diagnostics, "list of Diagnostic.")
-        .def(
-            "report", [](const BoundPrediction& self) { return self.report; }, R"(report($self)
+time. NaN: the contact feed where the tool is not known, and of LinuxCNC's and length over feed's.)";
+
+constexpr const char* report_doc = R"(report($self)
 --
 
-A dozen lines for a person.)")
-        .def("__repr__", [](const BoundPrediction& self) {
-            return fmt::format("<trunnion.Prediction: {:.3f} s>", self.cycle_time_s);
-        });
-    module.def("predict", &predict, py::arg("program"), py::arg("machine"), py::arg("controller"),
-               py::arg("setup") = py::none(), R"(predict(program, machine, controller, setup=None, **options)
+A dozen lines for a person.)";
+
+constexpr const char* predict_doc = R"(predict(program, machine, controller, setup=None, **options)
 --
 
 What an existing control will make of a program. The GIL is released; Ctrl-C is seen between rows of the motion.
@@ -173,6 +181,9 @@ uncertainty : bool
     Whether to vary what is not identified: some 30 predictions more; True.
 samples : bool
     Whether to give `Prediction.samples`.
+progress : callable, optional
+    Called with about the share done, by the lines that the motion has come to, 0 to 1, at most 50 times a second; an
+    exception of it ends the prediction.
 **options
     feed_override, feed_mm_min, and for the control 'ideal' all of plan().
 
@@ -183,9 +194,30 @@ Prediction
 Raises
 ------
 Error
-    CTRL02xx, PATHxxxx with the line; PY0001 to PY0004 by the argument's name.
+    CTRL02xx, PATHxxxx with the line; those of plan() with 'ideal'; PY0001 to PY0004 by the argument's name.
 
-Source: Lavernhe, Tournier, Lartigue 2006; docs/theory/prediction.md.)");
+Source: Lavernhe, Tournier, Lartigue 2006; docs/theory/prediction.md.)";
+
+void bind_predict(py::module_& module) {
+    bind_controller(module);
+    py::class_<BoundPrediction>(module, "Prediction", "What a control will make of a program; made by `predict()`.")
+        .def_readonly("cycle_time_s", &BoundPrediction::cycle_time_s, "float: s.")
+        .def_property_readonly(
+            "summary", [](const BoundPrediction& self) { return from_json(self.json); },
+            "dict: what `trunnion predict --summary` writes as JSON.")
+        .def_readonly("samples", &BoundPrediction::samples, samples_doc)
+        .def_readonly("columns", &BoundPrediction::columns,
+                      "list of str: t_s, axes, line, s_mm, feed_mm_min, contact_feed_mm_min, velocities of the axes.")
+        .def_property_readonly("line_times", &line_times,
+                               "ndarray, shape (m, 3): line, when it begins and how long it takes, s.")
+        .def_readonly("diagnostics", &BoundPrediction::diagnostics, "list of Diagnostic.")
+        .def(
+            "report", [](const BoundPrediction& self) { return self.report; }, report_doc)
+        .def("__repr__", [](const BoundPrediction& self) {
+            return fmt::format("<trunnion.Prediction: {:.3f} s>", self.cycle_time_s);
+        });
+    module.def("predict", &predict, py::arg("program"), py::arg("machine"), py::arg("controller"),
+               py::arg("setup") = py::none(), predict_doc);
 }
 
 }  // namespace trunnion::python

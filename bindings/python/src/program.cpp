@@ -22,8 +22,9 @@ using SharedProgram = std::shared_ptr<Program>;
 
 namespace {
 
-py::dtype dtype(const char* text) {
-    return py::dtype::from_args(py::str(text));
+/// Three numbers a row.
+py::dtype triple() {
+    return py::dtype::from_args(py::make_tuple(py::dtype::of<double>(), py::make_tuple(3)));
 }
 
 /// Where a member of a move lies.
@@ -32,34 +33,36 @@ py::ssize_t offset(const Move& move, const Member& member) {
     return reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&move);
 }
 
+/// Made of types, not of their names as text: numpy parses those by `ast`, which before Python 3.11.5 fails in two
+/// threads at once.
 py::dtype move_type() {
     py::list names, formats, offsets;
     const Move move;
-    const auto add = [&](const char* name, const char* format, const auto& member) {
+    const auto add = [&](const char* name, const py::dtype& format, const auto& member) {
         names.append(name);
-        formats.append(dtype(format));
+        formats.append(format);
         offsets.append(offset(move, member));
     };
-    add("position_mm", "(3,)f8", move.position_mm);
-    add("axis", "(3,)f8", move.axis);
-    add("rotary_rad", "(3,)f8", move.rotary_rad);
-    add("arc", "i4", move.arc);
-    add("curve_part", "i4", move.curve_part);
-    add("feed_rule", "u1", move.feed.rule);
-    add("feed", "f8", move.feed.value);
-    add("kind", "u1", move.kind);
-    add("space", "u1", move.space);
-    add("law", "u1", move.law);
-    add("exact_stop", "?", move.exact_stop);
-    add("tool", "u2", move.tool);
-    add("offset", "u2", move.offset);
-    add("line", "i4", move.line);
+    add("position_mm", triple(), move.position_mm);
+    add("axis", triple(), move.axis);
+    add("rotary_rad", triple(), move.rotary_rad);
+    add("arc", py::dtype::of<std::int32_t>(), move.arc);
+    add("curve_part", py::dtype::of<std::int32_t>(), move.curve_part);
+    add("feed_rule", py::dtype::of<std::uint8_t>(), move.feed.rule);
+    add("feed", py::dtype::of<double>(), move.feed.value);
+    add("kind", py::dtype::of<std::uint8_t>(), move.kind);
+    add("space", py::dtype::of<std::uint8_t>(), move.space);
+    add("law", py::dtype::of<std::uint8_t>(), move.law);
+    add("exact_stop", py::dtype::of<bool>(), move.exact_stop);
+    add("tool", py::dtype::of<std::uint16_t>(), move.tool);
+    add("offset", py::dtype::of<std::uint16_t>(), move.offset);
+    add("line", py::dtype::of<std::int32_t>(), move.line);
     return py::dtype(names, formats, offsets, sizeof(Move));
 }
 
-py::array moves(py::object self) {
+py::array moves(py::handle self, const py::dtype& type) {
     const auto& all = self.cast<const Program&>().moves;
-    return view_of(all.data(), move_type(), {static_cast<py::ssize_t>(all.size())}, {sizeof(Move)}, self);
+    return view_of(all.data(), type, {static_cast<py::ssize_t>(all.size())}, {sizeof(Move)}, self);
 }
 
 /// A column of three numbers over all moves.
@@ -148,11 +151,10 @@ RotaryWords words_of_poses(py::handle letters, py::handle degrees, const Rows& t
     return out;
 }
 
-void set_orientation(Move& move, py::ssize_t i, const Rows& axes, const std::optional<RotaryWords>& words) {
-    if (!words) {
-        move.axis = axes.vector(i);
-        return;
-    }
+void set_orientation(Move& move, py::ssize_t i, const std::optional<Rows>& axes,
+                     const std::optional<RotaryWords>& words) {
+    if (axes) move.axis = axes->vector(i);
+    if (!words) return;
     move.law = program::OrientationLaw::rotary;
     for (int r = 0; r < words->degrees.width; ++r)
         move.rotary_rad[static_cast<std::size_t>(r)] = words->degrees.row(i)[r] * degree;
@@ -160,7 +162,8 @@ void set_orientation(Move& move, py::ssize_t i, const Rows& axes, const std::opt
 
 /// What a program of poses is made of.
 struct PoseArguments {
-    Rows tips, axes;
+    Rows tips;
+    std::optional<Rows> axes;          ///< neither these nor words: along Z
     std::optional<RotaryWords> words;  ///< in place of axes
     std::vector<double> feeds_mm_min;
     std::vector<bool> rapid, stops;
@@ -181,10 +184,10 @@ PoseArguments take_poses(py::handle tips, py::handle axes, const py::kwargs& giv
     out.stops = mask_of(keywords.take("exact_stop"), "exact_stop", poses);
     keywords.text("name", out.name);
     keywords.finish();
-    if (letters)
-        out.words = words_of_poses(letters, degrees, out.tips);
-    else
-        out.axes = directions_like(axes, "axes", out.tips, "tips");
+    if (letters && !axes.is_none()) refuse({.code = "PY0003", .text = "axes: not together with rotary_letters"});
+    if (degrees && !letters) refuse({.code = "PY0001", .text = "rotary_letters: wanted together with rotary_deg"});
+    if (letters) out.words = words_of_poses(letters, degrees, out.tips);
+    if (!axes.is_none()) out.axes = directions_like(axes, "axes", out.tips, "tips");
     return out;
 }
 
@@ -274,46 +277,20 @@ SharedProgram expand_surfaces(const Program& self, py::handle setup) {
     return std::make_shared<Program>(value_of(pipeline::expand_surfaces(self, placed)));
 }
 
-void bind_program_class(py::module_& module) {
-    py::class_<Program, SharedProgram>(
-        module, "Program", R"(A part program, modal words resolved; made by `read_program()` and its like. Immutable.
+constexpr const char* program_doc =
+    R"(A part program, modal words resolved; made by `read_program()` and its like. Immutable.
 
 `moves[0]` is where motion starts; every later move goes from the end of the one before. Arrays are read-only views of the
-program's own memory and keep it alive.)")
-        .def_readonly("name", &Program::name, "str: as the program says, or the file's stem.")
-        .def_readonly("source", &Program::source, "str: the file.")
-        .def_readonly("dialect", &Program::dialect,
-                      "str: `apt`, `rs274`, `sinumerik`, `heidenhain`, `fanuc`; empty: none.")
-        .def_property_readonly(
-            "rotary_letters",
-            [](const Program& p) { return std::string(p.rotary_letters.begin(), p.rotary_letters.end()); },
-            "str: order of `rotary_rad`.")
-        .def_readonly("tools", &Program::tools, "list of str: names that moves call by index; the first: none.")
-        .def_readonly("offsets", &Program::offsets, "list of str: work offsets by index; the first: the workpiece.")
-        .def_readonly("diagnostics", &Program::diagnostics, "list of Diagnostic: what reading noticed.")
-        .def("__len__", [](const Program& p) { return p.moves.size(); })
-        .def_property_readonly("moves", &moves, R"(ndarray, shape (n,), structured: a view, no copy.
+program's own memory and keep it alive.)";
+
+constexpr const char* moves_doc = R"(ndarray, shape (n,), structured: a view, no copy.
 
 `position_mm` (3) end of the move, `axis` (3) unit tool axis under law 0, `rotary_rad` (3) literal rotary words under law 1,
 `feed` in mm/s, rad/s or s as `feed_rule` says (0 none, 1 speed of the tip, 2 rate of the rotary words, 3 time of the block),
 `kind` (0 rapid, 1 feed), `space` (0 workpiece, 1 machine, 2 axes as counted with TCP off), `law` (0 vector, 1 rotary),
-`exact_stop`, `tool`, `offset`, `arc`, `curve_part` (-1: none), `line`. NaN: the coordinate stays what it was.)")
-        .def_property_readonly(
-            "positions_mm", [](py::object self) { return column(self, &Move::position_mm); },
-            "ndarray, shape (n, 3): ends of the moves, mm; a view, no copy.")
-        .def_property_readonly(
-            "axes", [](py::object self) { return column(self, &Move::axis); },
-            "ndarray, shape (n, 3): unit tool axes of moves under law vector; a view, no copy.")
-        .def_property_readonly(
-            "lines", [](py::object self) { return lines(self); },
-            "ndarray of int32, shape (n,): lines of the source; a view, no copy.")
-        .def_property_readonly("events", &events, R"(list of dict: what happens besides motion, in order.
+`exact_stop`, `tool`, `offset`, `arc`, `curve_part` (-1: none), `line`. NaN: the coordinate stays what it was.)";
 
-`kind`, `word` as written, `stops_motion`, `dwell_s`, `before_move` (it falls where that move begins), `line`.)")
-        .def_property_readonly(
-            "surface_jobs", [](const Program& p) { return p.surface_jobs.size(); },
-            "int: surfaces that the program itself wants machined.")
-        .def("write", &write, py::arg("path"), R"(write($self, path, **options)
+constexpr const char* write_doc = R"(write($self, path, **options)
 --
 
 Writes the program as a file, which appears complete or not at all; a name that ends in `.gz` is compressed.
@@ -342,14 +319,14 @@ list of Diagnostic
 Raises
 ------
 Error
-    NC0901 to NC0909, NC0920; FILE0201, FILE0202; PIPE0011 the program's own source.)")
-        .def("text", &text, R"(text($self, **options)
+    NC0901 to NC0909, NC0920; FILE0201, FILE0202; PIPE0011 the program's own source.)";
+
+constexpr const char* text_doc = R"(text($self, **options)
 --
 
-The program as one string; options and errors as write().)")
-        .def("translate", &translate, py::arg("machine"), py::arg("setup") = py::none(), py::arg("law") = "vector",
-             py::arg("precision_deg") = 0.001,
-             R"(translate($self, machine, setup=None, law='vector', precision_deg=0.001)
+The program as one string; options and errors as write().)";
+
+constexpr const char* translate_doc = R"(translate($self, machine, setup=None, law='vector', precision_deg=0.001)
 --
 
 The same tool path with every move with TCP on under one orientation law.
@@ -369,8 +346,9 @@ Program
 Raises
 ------
 Error
-    PIPE0012, PIPE0014, and those of choosing branch and winding (PATH).)")
-        .def("expand_surfaces", &expand_surfaces, py::arg("setup") = py::none(), R"(expand_surfaces($self, setup=None)
+    PIPE0012, PIPE0014, and those of choosing branch and winding (PATH).)";
+
+constexpr const char* expand_surfaces_doc = R"(expand_surfaces($self, setup=None)
 --
 
 The program with the passes of the surfaces that it defines in their places; `plan()` does it by itself.
@@ -387,18 +365,51 @@ Program
 Raises
 ------
 Error
-    PIPE0120 a tool that the setup has not; SURF02xx.)")
+    PIPE0120 a tool that the setup has not; SURF02xx.)";
+
+void bind_program_class(py::module_& module) {
+    py::class_<Program, SharedProgram>(module, "Program", program_doc)
+        .def_readonly("name", &Program::name, "str: as the program says, or the file's stem.")
+        .def_readonly("source", &Program::source, "str: the file.")
+        .def_readonly("dialect", &Program::dialect,
+                      "str: `apt`, `rs274`, `sinumerik`, `heidenhain`, `fanuc`; empty: none.")
+        .def_property_readonly(
+            "rotary_letters",
+            [](const Program& p) { return std::string(p.rotary_letters.begin(), p.rotary_letters.end()); },
+            "str: order of `rotary_rad`.")
+        .def_readonly("tools", &Program::tools, "list of str: names that moves call by index; the first: none.")
+        .def_readonly("offsets", &Program::offsets, "list of str: work offsets by index; the first: the workpiece.")
+        .def_readonly("diagnostics", &Program::diagnostics, "list of Diagnostic: what reading noticed.")
+        .def("__len__", [](const Program& p) { return p.moves.size(); })
+        .def_property_readonly(
+            "moves", [type = move_type()](py::object self) { return moves(self, type); }, moves_doc)
+        .def_property_readonly(
+            "positions_mm", [](py::object self) { return column(self, &Move::position_mm); },
+            "ndarray, shape (n, 3): ends of the moves, mm; a view, no copy.")
+        .def_property_readonly(
+            "axes", [](py::object self) { return column(self, &Move::axis); },
+            "ndarray, shape (n, 3): unit tool axes of moves under law vector; a view, no copy.")
+        .def_property_readonly(
+            "lines", [](py::object self) { return lines(self); },
+            "ndarray of int32, shape (n,): lines of the source; a view, no copy.")
+        .def_property_readonly("events", &events, R"(list of dict: what happens besides motion, in order.
+
+`kind`, `word` as written, `stops_motion`, `dwell_s`, `before_move` (it falls where that move begins), `line`.)")
+        .def_property_readonly(
+            "surface_jobs", [](const Program& p) { return p.surface_jobs.size(); },
+            "int: surfaces that the program itself wants machined.")
+        .def("write", &write, py::arg("path"), write_doc)
+        .def("text", &text, text_doc)
+        .def("translate", &translate, py::arg("machine"), py::arg("setup") = py::none(), py::arg("law") = "vector",
+             py::arg("precision_deg") = 0.001, translate_doc)
+        .def("expand_surfaces", &expand_surfaces, py::arg("setup") = py::none(), expand_surfaces_doc)
         .def("__repr__",
              [](const Program& p) { return fmt::format("<trunnion.Program {}: {} moves>", p.name, p.moves.size()); });
 }
 
 }  // namespace
 
-void bind_program(py::module_& module) {
-    bind_program_class(module);
-    module.def(
-        "read_program", [](py::handle path, const py::kwargs& given) { return read_program(path, false, given); },
-        py::arg("path"), R"(read_program(path, **options)
+constexpr const char* read_program_doc = R"(read_program(path, **options)
 --
 
 Reads a part program, plain or gzip'd. The GIL is released.
@@ -422,10 +433,9 @@ Program
 Raises
 ------
 Error
-    NCxxxx with file, line and column.)");
-    module.def(
-        "read_program_text", [](py::handle text, const py::kwargs& given) { return read_program(text, true, given); },
-        py::arg("text"), R"(read_program_text(text, **options)
+    NCxxxx with file, line and column.)";
+
+constexpr const char* read_program_text_doc = R"(read_program_text(text, **options)
 --
 
 Reads a part program from text.
@@ -445,9 +455,9 @@ Program
 Raises
 ------
 Error
-    NCxxxx with line and column.)");
-    module.def("program_from_poses", &program_from_poses, py::arg("tips"), py::arg("axes") = py::none(),
-               R"(program_from_poses(tips, axes=None, **options)
+    NCxxxx with line and column.)";
+
+constexpr const char* program_from_poses_doc = R"(program_from_poses(tips, axes=None, **options)
 --
 
 A program of straight moves through poses; line numbers count the poses from 1.
@@ -457,7 +467,8 @@ Parameters
 tips : array_like, shape (n, 3)
     Tip in the workpiece, mm; the first is where motion starts.
 axes : array_like, shape (n, 3), optional
-    Unit tool axes to 1e-6, tip to spindle (law vector). Not with `rotary_letters`.
+    Unit tool axes to 1e-6, tip to spindle (law vector). None: along Z of the workpiece throughout, as of a program for
+    three axes. Not with `rotary_letters`.
 feed_mm_min : float or array_like, shape (n,)
     Speed of the tip on the way to each pose; that of the first pose and of rapids does not count.
 rapid : array_like of bool, shape (n,), optional
@@ -475,7 +486,18 @@ Program
 Raises
 ------
 Error
-    PY0001 to PY0004 by the argument's name.)");
+    PY0001 to PY0004 by the argument's name.)";
+
+void bind_program(py::module_& module) {
+    bind_program_class(module);
+    module.def(
+        "read_program", [](py::handle path, const py::kwargs& given) { return read_program(path, false, given); },
+        py::arg("path"), read_program_doc);
+    module.def(
+        "read_program_text", [](py::handle text, const py::kwargs& given) { return read_program(text, true, given); },
+        py::arg("text"), read_program_text_doc);
+    module.def("program_from_poses", &program_from_poses, py::arg("tips"), py::arg("axes") = py::none(),
+               program_from_poses_doc);
 }
 
 }  // namespace trunnion::python

@@ -202,10 +202,7 @@ std::string with_shared(const char* beginning) {
 
 }  // namespace
 
-void bind_reshape(py::module_& module) {
-    module.def("smooth", &smooth, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(), smooth_doc);
-    module.def("avoid_pole", &avoid_pole, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(),
-               with_shared(R"(avoid_pole(program, machine, setup=None, **options)
+constexpr const char* avoid_pole_doc = R"(avoid_pole(program, machine, setup=None, **options)
 --
 
 Leads the cutting stretches of a program past the poles of the machine; `before` and `after`: peak rotary velocity over its
@@ -217,10 +214,9 @@ program : Program
 machine : Machine
 setup : Setup, optional
 orientation_tolerance_deg : float
-    How far the tool may be turned; 0.1.)")
-                   .c_str());
-    module.def("reduce_rotary", &reduce_rotary, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(),
-               with_shared(R"(reduce_rotary(program, machine, setup=None, **options)
+    How far the tool may be turned; 0.1.)";
+
+constexpr const char* reduce_rotary_doc = R"(reduce_rotary(program, machine, setup=None, **options)
 --
 
 Turns the tool so that the rotary axes move less; `before` and `after`: their travel, degrees.
@@ -231,11 +227,9 @@ program : Program
 machine : Machine
 setup : Setup, optional
 orientation_tolerance_deg : float
-    How far the tool may be turned; 0.1.)")
-                   .c_str());
-    module.def("deform_flank", &deform_flank, py::arg("program"), py::arg("machine"), py::arg("guide_curves_mm"),
-               py::arg("setup") = py::none(),
-               with_shared(R"(deform_flank(program, machine, guide_curves_mm, setup=None, **options)
+    How far the tool may be turned; 0.1.)";
+
+constexpr const char* deform_flank_doc = R"(deform_flank(program, machine, guide_curves_mm, setup=None, **options)
 --
 
 Reshapes a program so that the tool's side leaves a surface; `before` and `after`: peak deviation, mm.
@@ -257,11 +251,10 @@ deepest_mm : float, optional
 half_angle_deg : float, optional
     The tool is a cone.
 outline_radius_mm, widest_height_mm : float, optional
-    The tool is a barrel.)")
-                   .c_str());
-    module.def("compensate_deflection", &compensate_deflection, py::arg("program"), py::arg("machine"),
-               py::arg("samples"), py::arg("setup") = py::none(),
-               with_shared(R"(compensate_deflection(program, machine, samples, setup=None, **options)
+    The tool is a barrel.)";
+
+constexpr const char* compensate_deflection_doc =
+    R"(compensate_deflection(program, machine, samples, setup=None, **options)
 --
 
 The program whose tip, bent away, runs where the given one says; `before` and `after`: largest deflection and what is left
@@ -275,8 +268,18 @@ samples : array_like, shape (n, 4)
     Way along the tip's path and deflection there, mm: s, x, y, z.
 setup : Setup, optional
 residual_mm : float
-    What may be left; 0.001.)")
-                   .c_str());
+    What may be left; 0.001.)";
+
+void bind_reshape(py::module_& module) {
+    module.def("smooth", &smooth, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(), smooth_doc);
+    module.def("avoid_pole", &avoid_pole, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(),
+               with_shared(avoid_pole_doc).c_str());
+    module.def("reduce_rotary", &reduce_rotary, py::arg("program"), py::arg("machine"), py::arg("setup") = py::none(),
+               with_shared(reduce_rotary_doc).c_str());
+    module.def("deform_flank", &deform_flank, py::arg("program"), py::arg("machine"), py::arg("guide_curves_mm"),
+               py::arg("setup") = py::none(), with_shared(deform_flank_doc).c_str());
+    module.def("compensate_deflection", &compensate_deflection, py::arg("program"), py::arg("machine"),
+               py::arg("samples"), py::arg("setup") = py::none(), with_shared(compensate_deflection_doc).c_str());
 }
 
 }  // namespace trunnion::python

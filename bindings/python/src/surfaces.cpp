@@ -125,10 +125,8 @@ Array closest_places(const BsplineSurface& surface, py::handle points) {
 
 }  // namespace
 
-void bind_surfaces(py::module_& module) {
-    py::class_<BsplineSurface, std::shared_ptr<BsplineSurface>>(
-        module, "BsplineSurface",
-        R"(BsplineSurface(degree_u, degree_v, knots_u, knots_v, control_points_mm, weights=None)
+constexpr const char* bspline_surface_doc =
+    R"(BsplineSurface(degree_u, degree_v, knots_u, knots_v, control_points_mm, weights=None)
 --
 
 Tensor-product B-spline surface S(u, v), with weights or without. Immutable.
@@ -151,10 +149,9 @@ Raises
 Error
     GEOM0101 to GEOM0107 as BsplineCurve; PY0001 and PY0002 by the argument's name.
 
-Source: Piegl & Tiller, The NURBS Book, §3.4 and Eq. 4.20.)")
-        .def(py::init(&make_surface), py::arg("degree_u"), py::arg("degree_v"), py::arg("knots_u"), py::arg("knots_v"),
-             py::arg("control_points_mm"), py::arg("weights") = py::none())
-        .def_static("polynomial", &polynomial, py::arg("coefficients_mm"), R"(polynomial(coefficients_mm)
+Source: Piegl & Tiller, The NURBS Book, §3.4 and Eq. 4.20.)";
+
+constexpr const char* polynomial_doc = R"(polynomial(coefficients_mm)
 --
 
 S(u, v) = Σ a_ij u^i v^j over 0 … 1 in both parameters.
@@ -173,7 +170,76 @@ Raises
 Error
     GEOM0101 a degree.
 
-Source: Lin & Koren, Eq. 3.)")
+Source: Lin & Koren, Eq. 3.)";
+
+constexpr const char* call_doc = R"(__call__($self, /, u, v)
+--
+
+Points of the surface.
+
+Parameters
+----------
+u, v : array_like
+    Of one shape. Outside the domain the outermost pieces are continued.
+
+Returns
+-------
+ndarray, shape (*u.shape, 3)
+    mm.)";
+
+constexpr const char* derivatives_doc = R"(derivatives($self, /, u, v)
+--
+
+S, S_u, S_v, S_uu, S_uv, S_vv, in this order.
+
+Parameters
+----------
+u, v : array_like
+    Of one shape.
+
+Returns
+-------
+ndarray, shape (*u.shape, 6, 3)
+    mm, mm per parameter and its square.)";
+
+constexpr const char* shape_doc = R"(shape($self, /, u, v, side='along')
+--
+
+Normals and principal curvatures.
+
+Parameters
+----------
+u, v : array_like
+    Of one shape.
+side : {'along', 'against'}
+    The normal is S_u × S_v, or against it.
+
+Returns
+-------
+dict
+    `normal`, ndarray (*u.shape, 3), unit; `curvatures_per_mm`, ndarray (*u.shape, 2), the larger first, positive where
+    the surface falls away from its tangent plane against the normal. NaN where there is no normal.)";
+
+constexpr const char* closest_doc = R"(closest($self, /, points_mm)
+--
+
+The place of the domain that is nearest to each point: from the nearest place of a grid, by Newton's method.
+
+Parameters
+----------
+points_mm : array_like, shape (..., 3)
+    mm.
+
+Returns
+-------
+ndarray, shape (..., 2)
+    u and v.)";
+
+void bind_surfaces(py::module_& module) {
+    py::class_<BsplineSurface, std::shared_ptr<BsplineSurface>>(module, "BsplineSurface", bspline_surface_doc)
+        .def(py::init(&make_surface), py::arg("degree_u"), py::arg("degree_v"), py::arg("knots_u"), py::arg("knots_v"),
+             py::arg("control_points_mm"), py::arg("weights") = py::none())
+        .def_static("polynomial", &polynomial, py::arg("coefficients_mm"), polynomial_doc)
         .def_property_readonly(
             "domain",
             [](const BsplineSurface& s) {
@@ -192,66 +258,10 @@ Source: Lin & Koren, Eq. 3.)")
                                {columns * 3 * number, 3 * number, number}, self);
             },
             "ndarray, shape (n, m, 3): mm; read-only, no copy.")
-        .def("__call__", &surface_points, py::arg("u"), py::arg("v"), R"(__call__($self, /, u, v)
---
-
-Points of the surface.
-
-Parameters
-----------
-u, v : array_like
-    Of one shape. Outside the domain the outermost pieces are continued.
-
-Returns
--------
-ndarray, shape (*u.shape, 3)
-    mm.)")
-        .def("derivatives", &surface_derivatives, py::arg("u"), py::arg("v"), R"(derivatives($self, /, u, v)
---
-
-S, S_u, S_v, S_uu, S_uv, S_vv, in this order.
-
-Parameters
-----------
-u, v : array_like
-    Of one shape.
-
-Returns
--------
-ndarray, shape (*u.shape, 6, 3)
-    mm, mm per parameter and its square.)")
-        .def("shape", &surface_shape, py::arg("u"), py::arg("v"), py::arg("side") = "along",
-             R"(shape($self, /, u, v, side='along')
---
-
-Normals and principal curvatures.
-
-Parameters
-----------
-u, v : array_like
-    Of one shape.
-side : {'along', 'against'}
-    The normal is S_u × S_v, or against it.
-
-Returns
--------
-dict
-    `normal`, ndarray (*u.shape, 3), unit; `curvatures_per_mm`, ndarray (*u.shape, 2), the larger first, positive where
-    the surface falls away from its tangent plane against the normal. NaN where there is no normal.)")
-        .def("closest", &closest_places, py::arg("points_mm"), R"(closest($self, /, points_mm)
---
-
-The place of the domain that is nearest to each point: from the nearest place of a grid, by Newton's method.
-
-Parameters
-----------
-points_mm : array_like, shape (..., 3)
-    mm.
-
-Returns
--------
-ndarray, shape (..., 2)
-    u and v.)");
+        .def("__call__", &surface_points, py::arg("u"), py::arg("v"), call_doc)
+        .def("derivatives", &surface_derivatives, py::arg("u"), py::arg("v"), derivatives_doc)
+        .def("shape", &surface_shape, py::arg("u"), py::arg("v"), py::arg("side") = "along", shape_doc)
+        .def("closest", &closest_places, py::arg("points_mm"), closest_doc);
 }
 
 }  // namespace trunnion::python

@@ -13,12 +13,14 @@ float64 in rows is taken without a copy; what is given back is memory of the lib
 from collections.abc import Mapping as _Mapping
 
 from . import _core
-from ._core import (BsplineCurve, BsplineSurface, Controller, Diagnostic, DualCorner, DualPath, DualSpline, Face, FaceList,
-                    FlankTool, GuidedSurface, Kinematics, Machine, Plan, Prediction, Program, Setup, SurfacePlan, Tool,
-                    __version__, avoid_pole, check, chord_steps, compensate_deflection, corner_curve, deform_flank,
-                    deform_flank_path, deviation_map, flat_interval_mm, move_surface, plan, plan_surface, predict,
-                    program_from_poses, programmed_poses, read_faces, read_program, read_program_text, reduce_rotary,
-                    singular_cones, smooth, two_point_poses)
+from ._core import (BsplineCurve, BsplineSurface, Controller, Diagnostic, DualCorner, DualPath, DualSpline, Face,
+                    FaceList, FeedProfile, FlankTool, GuidedSurface, GuidingSurface, Kinematics, LivePlanner, Machine,
+                    OrientationSurface, ParameterLink, PartBody, Plan, Prediction, Program, Setup, Stretch,
+                    SurfacePlan, Tool, __version__, avoid_pole, check, chord_steps, compensate_deflection, connect,
+                    corner_curve, deform_flank, deform_flank_path, deviation_map, flat_interval_mm, move_surface,
+                    move_surface_ahead, plan, plan_stretch, plan_surface, predict, program_from_poses,
+                    programmed_poses, read_faces, read_program, read_program_text, reduce_rotary, singular_cones,
+                    smooth, stretches, two_point_poses)
 from ._error import Error
 from ._toml import text_of as _text_of
 
@@ -111,10 +113,12 @@ def controllers():
     return _core.shipped_controllers()
 
 
-__all__ = ['BsplineCurve', 'BsplineSurface', 'Controller', 'Diagnostic', 'DualCorner', 'DualPath', 'DualSpline', 'Error',
-           'Face', 'FaceList', 'FlankTool', 'GuidedSurface', 'Kinematics', 'Machine', 'Plan', 'Prediction', 'Program',
-           'Setup', 'SurfacePlan', 'Tool', 'avoid_pole', 'check', 'chord_steps', 'compensate_deflection', 'controller',
-           'controllers', 'corner_curve', 'deform_flank', 'deform_flank_path', 'deviation_map', 'flat_interval_mm',
-           'machine', 'machines', 'move_surface', 'plan', 'plan_surface', 'predict', 'program_from_poses',
+__all__ = ['BsplineCurve', 'BsplineSurface', 'Controller', 'Diagnostic', 'DualCorner', 'DualPath', 'DualSpline',
+           'Error', 'Face', 'FaceList', 'FeedProfile', 'FlankTool', 'GuidedSurface', 'GuidingSurface', 'Kinematics',
+           'LivePlanner', 'Machine', 'OrientationSurface', 'ParameterLink', 'PartBody', 'Plan', 'Prediction',
+           'Program', 'Setup', 'Stretch', 'SurfacePlan', 'Tool', 'avoid_pole', 'check', 'chord_steps',
+           'compensate_deflection', 'connect', 'controller', 'controllers', 'corner_curve', 'deform_flank',
+           'deform_flank_path', 'deviation_map', 'flat_interval_mm', 'machine', 'machines', 'move_surface',
+           'move_surface_ahead', 'plan', 'plan_stretch', 'plan_surface', 'predict', 'program_from_poses',
            'programmed_poses', 'read_faces', 'read_program', 'read_program_text', 'reduce_rotary', 'setup',
-           'singular_cones', 'smooth', 'two_point_poses']
+           'singular_cones', 'smooth', 'stretches', 'two_point_poses']

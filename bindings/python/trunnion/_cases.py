@@ -8,8 +8,7 @@ import numpy as np
 
 import trunnion
 
-from ._error import Error
-from ._set_up import RATIOS, Argument, need_count, predict_rows, refuse
+from ._set_up import RATIOS, need_count, predict_rows, refuse
 from ._table import NOT_RUN, Table, fill
 
 
@@ -106,8 +105,6 @@ def take(answer, rows):
     found, wrong = answer
     for one in found:
         fill(rows[one.index], one)
-    if isinstance(wrong, Argument):
-        raise Error(wrong)
     if wrong is not None:
         raise wrong
 

@@ -12,6 +12,9 @@ class Error(Exception):
         super().__init__(str(diagnostic))
         self.diagnostic = diagnostic
 
+    def __reduce__(self):
+        return type(self), (self.diagnostic,)
+
     def __getattr__(self, name):
         if name in ('code', 'text', 'value', 'limit', 'hint', 'file', 'line', 'column', 'path_length_mm', 'severity'):
             return getattr(self.diagnostic, name)

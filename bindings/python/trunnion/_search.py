@@ -5,8 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import nlopt
 import numpy as np
 
-from ._error import Error
-from ._set_up import Argument, predict_rows
+from ._set_up import predict_rows
 from ._table import Table, fill
 
 FIRST_STEP, LAST_STEP = 0.1, 1e-3  # of each range
@@ -27,7 +26,7 @@ class Search:
         else:
             rows, wrong = self.executor.submit(predict_rows, self.study.kept, case).result()
         if wrong is not None:
-            raise Error(wrong) if isinstance(wrong, Argument) else wrong
+            raise wrong
         return rows[0]
 
     def run(self, start, refused_cost, tried):

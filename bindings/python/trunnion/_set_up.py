@@ -2,7 +2,6 @@
 import functools
 import math
 import pathlib
-import threading
 import tomllib
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,28 +20,8 @@ WORDS = ('rounding', 'corners', 'link')
 RATIOS = ('velocity_ratio', 'acceleration_ratio', 'jerk_ratio')
 
 
-@dataclass
-class Argument:
-    """The fields of a Diagnostic about an argument of the package's Python part."""
-    code: str
-    text: str
-    value: str = ''
-    limit: str = ''
-    hint: str = ''
-    severity: str = 'error'
-    count: int = 1
-    file: str = ''
-    line: int = 0
-    column: int = 0
-    path_length_mm: float = math.nan
-
-    def __str__(self):
-        found = ', '.join([self.value] * bool(self.value) + [f'limit {self.limit}'] * bool(self.limit))
-        return f'error {self.code}: {self.text}' + f' ({found})' * bool(found) + f'; {self.hint}' * bool(self.hint)
-
-
 def refuse(code, text, **fields):
-    raise Error(Argument(code, text, **fields))
+    raise Error(trunnion.Diagnostic(code, text, **fields))
 
 
 def need_count(value, name):
@@ -132,14 +111,9 @@ def placed_setup(text, values):
     return trunnion.setup({**keys, 'workpiece': frame})
 
 
-# numpy parses the type of `moves` by `ast`, which before Python 3.11.5 fails in two threads at once.
-one_at_a_time = threading.Lock()
-
-
 def programmed_feeds(program, values):
     """mm/min of the tip by line, where a line says one; how much the control is told to change them is in `values`."""
-    with one_at_a_time:
-        moves = program.moves
+    moves = program.moves
     moves = moves[(moves['kind'] == 1) & (moves['feed_rule'] == 1)]
     feeds = np.full(len(moves), values['feed_mm_min']) if values.get('feed_mm_min') else moves['feed'] * 60
     lines, first = np.unique(moves['line'], return_index=True)
@@ -198,13 +172,11 @@ def predict_row(kept, index, values):
 
 
 def predict_rows(kept, cases):
-    """Rows of some set-ups, (index, values) each, and what went wrong that is no refusal: its fields or the exception."""
+    """Rows of some set-ups, (index, values) each, and the exception of what went wrong that is no refusal, or None."""
     rows = []
     for index, values in cases:
         try:
             rows.append(predict_row(kept, index, values))
-        except Error as error:
-            return rows, Argument(error.code, error.text, error.value, error.limit, error.hint)
         except Exception as error:  # handed to the caller: executors have exceptions of their own
             return rows, error
     return rows, None

@@ -26,8 +26,8 @@ class Table:
     - `index`, then the parameters of the study;
     - `status`: 'ok', 'refused' or 'not run'; `code`, `text` (its first 120 characters), `line` where refused;
     - `cycle_time_s`, `cut_time_s`; `tip_feed_loss`, `contact_feed_loss`: the share of the programmed feed that is missing
-      on the average of the cutting time, at the tip and at the contact (NaN with the controls 'ideal' and
-      'length-over-feed', and where the tool is not known);
+      on the average of the cutting time, at the tip and at the contact (the latter NaN with the
+      controls 'length-over-feed' and LinuxCNC's, and where the tool is not known);
     - for every axis `X_velocity_ratio`, `X_acceleration_ratio`, `X_jerk_ratio`: peak / limit. NaN where there is none.
 
     `parameters` are their names; `total` counts the set-ups of the study, of which a part has some; `seed` is None where
