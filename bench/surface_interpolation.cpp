@@ -1,21 +1,24 @@
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <memory>
+#include <cstddef>
+#include <thread>
 #include <vector>
 
 #include <benchmark/benchmark.h>
-#include <sys/resource.h>
 
 #include "trunnion/feed/plan_stretch.hpp"
 #include "trunnion/interpolation/surface_fit.hpp"
 #include "trunnion/interpolation/surface_interpolator.hpp"
+#include "trunnion/pipeline/surface_motion.hpp"
+
+#include "period_times.hpp"
 
 namespace {
 
 using namespace trunnion;
 using namespace trunnion::interpolation;
+using bench::time_each;
 
 machine::Machine trunnion_table() {
     machine::Machine out;
@@ -66,90 +69,20 @@ struct Pass {
         for (int k = 0; k <= 100; ++k) out.push_back({0.02 + 0.0096 * k, 0.4 + 0.1 * std::sin(0.03 * k)});
         return fit_places(surface, out, 1e-3).value();
     }
-    machine::RotaryPosition begin() const {
-        const machine::AxisPosition at = axes.begin_position();
-        return {at[3], at[4]};
-    }
 };
-
-long involuntary_switches() {
-    rusage usage{};
-    getrusage(RUSAGE_THREAD, &usage);
-    return usage.ru_nivcsw;
-}
-
-/// Times of single periods, by nanoseconds up to 100 µs.
-class Distribution {
-  public:
-    void add(std::int64_t ns) {
-        ++counts_[static_cast<std::size_t>(std::clamp<std::int64_t>(ns, 0, most))];
-        ++all_;
-        sum_ns_ += static_cast<double>(ns);
-        longest_ns_ = std::max(longest_ns_, ns);
-    }
-    double mean_us() const { return sum_ns_ / static_cast<double>(all_) / 1000; }
-    double longest_us() const { return static_cast<double>(longest_ns_) / 1000; }
-    double below_us(double share) const {
-        std::size_t sum = 0;
-        for (std::size_t ns = 0; ns < counts_.size(); ++ns) {
-            sum += counts_[ns];
-            if (static_cast<double>(sum) >= share * static_cast<double>(all_)) return static_cast<double>(ns) / 1000;
-        }
-        return static_cast<double>(most) / 1000;
-    }
-    double share_above(double us) const {
-        std::size_t sum = 0;
-        for (auto ns = static_cast<std::size_t>(us * 1000) + 1; ns < counts_.size(); ++ns) sum += counts_[ns];
-        return static_cast<double>(sum) / static_cast<double>(all_);
-    }
-
-  private:
-    static constexpr std::int64_t most = 100'000;
-    std::vector<std::size_t> counts_ = std::vector<std::size_t>(most + 1);
-    std::size_t all_ = 0;
-    double sum_ns_ = 0;
-    std::int64_t longest_ns_ = 0;
-};
-
-/// Times `work` alone, once an iteration. Iterations during which the system took the processor away are counted by
-/// themselves.
-template <class Work>
-void time_each(benchmark::State& state, const Work& work) {
-    using clock = std::chrono::steady_clock;
-    Distribution undisturbed;
-    std::size_t disturbed = 0;
-    long switches = involuntary_switches();
-    for (auto _ : state) {
-        const auto start = clock::now();
-        work();
-        const auto end = clock::now();
-        state.SetIterationTime(std::chrono::duration<double>(end - start).count());
-        const long after = involuntary_switches();
-        if (after == switches)
-            undisturbed.add(std::chrono::duration_cast<std::chrono::nanoseconds>(end - start).count());
-        else
-            ++disturbed;
-        switches = after;
-    }
-    state.counters["mean_us"] = undisturbed.mean_us();
-    state.counters["p99.99_us"] = undisturbed.below_us(0.9999);
-    state.counters["above_10us"] = undisturbed.share_above(10);
-    state.counters["longest_us"] = undisturbed.longest_us();
-    state.counters["switched"] = static_cast<double>(disturbed);
-}
 
 /// 10⁷ periods of 1 ms one by one, along the pass again and again.
 void periods(benchmark::State& state) {
     const auto order = static_cast<StepOrder>(state.range(0));
     const Pass pass(state.range(1) ? SurfaceTool{6, 2, 0.1, 0.05} : SurfaceTool{6, 0, 0, 0});
-    SurfaceInterpolator interpolator(pass.curve, pass.path, pass.profile, pass.begin(), order);
+    SurfaceInterpolator interpolator(pass.curve, pass.path, pass.axes, pass.profile, order);
     std::size_t period = 0;
     time_each(state, [&] {
         const SurfaceInstant now = interpolator.at(1e-3 * static_cast<double>(period++));
         benchmark::DoNotOptimize(now);
         if (now.status != SurfaceStatus::finished) return;
         period = 0;
-        interpolator = SurfaceInterpolator(pass.curve, pass.path, pass.profile, pass.begin(), order);
+        interpolator = SurfaceInterpolator(pass.curve, pass.path, pass.axes, pass.profile, order);
     });
 }
 BENCHMARK(periods)
@@ -171,6 +104,43 @@ void machine_itself(benchmark::State& state) {
     });
 }
 BENCHMARK(machine_itself)->Iterations(10'000'000)->UseManualTime()->Unit(benchmark::kMicrosecond);
+
+/// Takes every setpoint when it is due.
+struct Control : pipeline::PlanObserver {
+    std::chrono::steady_clock::time_point begin;
+    double latest_s = 0;
+    bool running = false;
+
+    void setpoint(const motion::Setpoint& row) override {
+        using namespace std::chrono;
+        if (!running) begin = steady_clock::now();
+        running = true;
+        const auto due = begin + duration_cast<steady_clock::duration>(duration<double>(row.time_s));
+        latest_s = std::max(latest_s, duration<double>(steady_clock::now() - due).count());
+        std::this_thread::sleep_until(due);
+    }
+};
+
+/// Lin & Koren's system while a clock takes the setpoints: how long before its time every stretch was planned, and how
+/// late any setpoint was asked for. The whole surface of 100 × 100 mm; takes as long as the motion.
+void ahead_of_a_clock(benchmark::State& state) {
+    machine::Setup setup;
+    setup.tool = {.kind = machine::ToolKind::ball, .diameter_mm = 10, .corner_radius_mm = 5, .length_mm = 100};
+    const auto cutter = surfacing::Cutter::make(setup.tool).value();
+    const surfacing::SurfaceOptions surface{
+        .strategy = surfacing::Strategy::lin_koren, .scallop_mm = 0.5, .gouge_tolerance_mm = 0.01};
+    for (auto _ : state) {
+        Control control;
+        const auto moved = pipeline::move_surface_ahead(surfacing::whole_face(slope()), cutter, surface,
+                                                        trunnion_table(), setup, {}, control);
+        if (!moved) return state.SkipWithError(to_string(moved.error()).c_str());
+        state.counters["first_ready_s"] = moved->first_ready_s;
+        state.counters["least_ahead_s"] = moved->least_ahead_s;
+        state.counters["latest_setpoint_s"] = control.latest_s;
+        state.counters["passes"] = static_cast<double>(moved->passes);
+    }
+}
+BENCHMARK(ahead_of_a_clock)->Iterations(1)->UseRealTime()->Unit(benchmark::kSecond);
 
 void contact(benchmark::State& state) {
     const Pass pass({6, 2, 0.1, 0.05});

@@ -1,13 +1,16 @@
-#include <cmath>
+#include <algorithm>
 #include <csignal>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "trunnion/pipeline/plan_files.hpp"
 #include "trunnion/pipeline/surface_motion.hpp"
+#include "trunnion/pipeline/surface_motion_check.hpp"
 #include "trunnion/surfacing/plan_region.hpp"
 #include "trunnion/verify/programmed_csv.hpp"
 
@@ -15,6 +18,7 @@
 #include "job.hpp"
 #include "progress_line.hpp"
 #include "surface_options.hpp"
+#include "surface_part.hpp"
 
 namespace trunnion::app {
 
@@ -24,6 +28,7 @@ volatile std::sig_atomic_t stop_wanted = 0;
 
 struct SurfaceRunCommand {
     SurfaceText surface;
+    SurfacePartText part;
     JobOptions job;
     std::string setpoints, summary, programmed, order = "corrector", feed_of = "contact";
     bool ahead = false;
@@ -65,25 +70,64 @@ Result<pipeline::SurfaceMotionSummary> run_planned(const SurfaceRunCommand& comm
                                   motion_options(command, workplace), observer);
 }
 
-Result<pipeline::SurfaceMotionSummary> run(const SurfaceRunCommand& command) {
+/// What there is to move over, and what is not to be touched.
+struct Scene {
+    Workplace workplace;
+    SurfaceWork work;
+    SurfacePart part;
+    std::vector<Diagnostic> told;
+};
+
+Result<Scene> load_scene(const SurfaceRunCommand& command) {
     auto workplace = load_workplace(command.job);
     if (!workplace) return fail(workplace.error());
     auto work = load_surface(command.surface, workplace->setup);
     if (!work) return fail(work.error());
     workplace->setup.tool = work->tool;
+    std::vector<Diagnostic> told = work->list.diagnostics;
+    told.insert(told.end(), workplace->diagnostics.begin(), workplace->diagnostics.end());
+    auto part = read_part(command.part, command.surface, *work, told);
+    if (!part) return fail(part.error());
+    return Scene{std::move(*workplace), std::move(*work), std::move(*part), std::move(told)};
+}
+
+/// The part is looked at always; where it is too fine for that, and nothing was said of it, that is told.
+Result<void> look_at(const SurfaceRunCommand& command, const Scene& scene, pipeline::MotionInPart& motion,
+                     pipeline::SurfaceMotionSummary& summary) {
+    auto in_part = motion.check(scene.part.with(scene.work.faces), scene.work.options.gouge_tolerance_mm);
+    if (!in_part && !command.part.part.empty()) return fail(in_part.error());
+    if (in_part)
+        summary.part = std::move(*in_part);
+    else
+        summary.motion.diagnostics.push_back(
+            {.code = "PIPE0118",
+             .severity = Severity::warning,
+             .text = "whether the tool goes into the part was not looked at: " + in_part.error().text,
+             .hint = "--part FILE:3,5 with the faces that are near"});
+    return {};
+}
+
+Result<pipeline::SurfaceMotionSummary> run(const SurfaceRunCommand& command) {
+    const auto scene = load_scene(command);
+    if (!scene) return fail(scene.error());
+    const auto& [workplace, work, part, told] = *scene;
+    const auto kinematics =
+        machine::Kinematics::make(workplace.machine, workplace.setup.workpiece, workplace.setup.tool.length_mm);
+    if (!kinematics) return fail(kinematics.error());
     ProgressLine progress(command.job.quiet);
     auto files =
-        pipeline::PlanFiles::create({.setpoints = command.setpoints}, workplace->machine, [&progress](double share) {
+        pipeline::PlanFiles::create({.setpoints = command.setpoints}, workplace.machine, [&progress](double share) {
             progress.show(share);
             return stop_wanted == 0;
         });
     if (!files) return fail(files.error());
-    auto summary = command.ahead ? run_ahead(command, *work, *workplace, **files)
-                                 : run_planned(command, *work, *workplace, **files);
+    pipeline::MotionInPart motion(*kinematics, work.cutter, part.holder, **files);
+    auto summary =
+        command.ahead ? run_ahead(command, work, workplace, motion) : run_planned(command, work, workplace, motion);
     if (!summary) return summary;
-    for (const auto& told : {work->list.diagnostics, workplace->diagnostics})
-        summary->motion.diagnostics.insert(summary->motion.diagnostics.begin(), told.begin(), told.end());
+    summary->motion.diagnostics.insert(summary->motion.diagnostics.begin(), told.begin(), told.end());
     summary->motion.program = command.surface.file;
+    if (auto looked = look_at(command, *scene, motion, *summary); !looked) return fail(looked.error());
     if (auto written = (*files)->commit(); !written) return fail(written.error());
     if (!command.summary.empty())
         if (auto written = pipeline::write_text_file(command.summary, to_json(*summary)); !written)
@@ -100,6 +144,16 @@ int run_and_report(const SurfaceRunCommand& command) {
     return summary->usable() ? done : not_usable;
 }
 
+/// Without what changes the passes: they are followed as they were laid.
+void add_part_to(CLI::App& run, SurfacePartText& part) {
+    const auto before = run.get_options();
+    part.add_to(run);
+    for (CLI::Option* option : run.get_options())
+        if (std::ranges::find(before, option) == before.end() && option->get_name() != "--part" &&
+            option->get_name() != "--holder")
+            run.remove_option(option);
+}
+
 }  // namespace
 
 void add_surface_run_command(CLI::App& surface, int& status) {
@@ -110,6 +164,7 @@ void add_surface_run_command(CLI::App& surface, int& status) {
     run->add_option("-m,--machine", job.machine, "shipped machine by name, or a machine file");
     run->add_option("--setup", job.setup, "setup file: tools, and where the workpiece stands");
     command->surface.add_passes_to(*run, "along the passes: of the contact, or see --feed-of");
+    add_part_to(*run, command->part);
     run->add_option("-o,--output", command->setpoints, "setpoints: .csv, .csv.gz or .npy");
     run->add_option("--summary", command->summary, "summary as JSON");
     run->add_option("--programmed", command->programmed, "poses of the passes and links as CSV");
@@ -119,8 +174,9 @@ void add_surface_run_command(CLI::App& surface, int& status) {
     run->add_option("--feed-of", command->feed_of, "which point the feed is of")
         ->check(CLI::IsMember({"contact", "tip"}))
         ->capture_default_str();
-    run->add_flag("--ahead", command->ahead,
-                  "lin-koren: every pass is laid only when the motion before it is planned, as a control would");
+    run->add_flag(
+        "--ahead", command->ahead,
+        "lin-koren: passes are laid and planned, one after another, while others are moved, as a control would");
     run->add_option("--tip-tolerance", job.tip_tolerance, "of links")->capture_default_str();
     run->add_option("--orientation-tolerance", job.orientation_tolerance, "of links")->capture_default_str();
     run->add_option("--calm", job.calm, "weight of smoothness against time, 0 … 1")

@@ -4,17 +4,18 @@
 
 namespace trunnion::interpolation {
 
-using machine::Pose;
-
-SurfaceInterpolator::SurfaceInterpolator(const SurfaceCurve& curve, const SurfacePath& path,
-                                         const SurfaceProfile& profile, const machine::RotaryPosition& begin_rad,
-                                         StepOrder order) noexcept
+SurfaceInterpolator::SurfaceInterpolator(const SurfaceCurve& curve, const SurfacePath& path, const path::AxisPath& axes,
+                                         const SurfaceProfile& profile, StepOrder order) noexcept
     : curve_(&curve),
       path_(&path),
+      axes_(&axes),
       profile_(&profile),
       order_(order),
-      contact_(curve.contact(curve.begin())),
-      rotary_rad_(begin_rad) {}
+      contact_(curve.contact(curve.begin())) {
+    const machine::AxisPosition begin = axes.begin_position();
+    const int linear = path.tool_path.kinematics->axis_count() - path.tool_path.kinematics->rotary_count();
+    for (int i = 0; linear + i < path.tool_path.kinematics->axis_count(); ++i) rotary_rad_[i] = begin[linear + i];
+}
 
 SurfaceInstant SurfaceInterpolator::at(double time_s) noexcept {
     const bool complete = profile_->finished();  // before size(): what is complete has all its pieces
@@ -22,8 +23,7 @@ SurfaceInstant SurfaceInterpolator::at(double time_s) noexcept {
     SurfaceInstant now;
     if (planned == 0) {
         now.status = SurfaceStatus::starved;
-        now.pose = pose_on_surface(0, 0);
-        place_axes(now);
+        place_on_surface(now);
         return now;
     }
     while (profile_piece_ + 1 < planned && time_s >= (*profile_)[profile_piece_ + 1].begin_s) ++profile_piece_;
@@ -34,34 +34,26 @@ SurfaceInstant SurfaceInterpolator::at(double time_s) noexcept {
     now.profile_piece = profile_piece_;
     now.path_piece = piece.path_piece;
     now.contact_feed_mm_s = behind ? 0 : motion::state_at(piece, delta).speed_mm_s;
-    now.way_mm = path_->tool_path.pieces[piece.path_piece].begin_mm + piece.path_offset_mm + delta;
-    now.pose = path_->pieces[piece.path_piece].bridge ? pose_on_bridge(piece.path_piece, piece.path_offset_mm + delta)
-                                                      : pose_on_surface(piece.path_piece, now.way_mm);
-    now.w = contact_.w;
-    place_axes(now);
+    const double offset_mm = piece.path_offset_mm + delta;
+    now.way_mm = path_->tool_path.pieces[piece.path_piece].begin_mm + offset_mm;
+    if (path_->pieces[piece.path_piece].bridge)
+        place_on_bridge(now, offset_mm);
+    else
+        place_on_surface(now);
     return now;
 }
 
-Pose SurfaceInterpolator::pose_on_surface(std::size_t path_piece, double way_mm) noexcept {
-    if (path_piece != contact_piece_) {
-        contact_piece_ = path_piece;
-        contact_ = curve_->contact(path_->pieces[path_piece].w_begin);
-        way_mm_ = path_->tool_path.pieces[path_piece].begin_mm;
+void SurfaceInterpolator::place_on_surface(SurfaceInstant& now) noexcept {
+    if (now.path_piece != contact_piece_) {
+        contact_piece_ = now.path_piece;
+        contact_ = curve_->contact(path_->pieces[contact_piece_].w_begin);
+        way_mm_ = path_->tool_path.pieces[contact_piece_].begin_mm;
     }
-    const SurfaceContact next = step(*curve_, contact_, way_mm - way_mm_, order_);
+    const SurfaceContact next = step(*curve_, contact_, now.way_mm - way_mm_, order_);
     way_mm_ += way_between_mm(contact_, next);
     contact_ = next;
-    return curve_->pose(contact_);
-}
-
-Pose SurfaceInterpolator::pose_on_bridge(std::size_t path_piece, double offset_mm) const noexcept {
-    const path::PathPiece& piece = path_->tool_path.pieces[path_piece];
-    const auto at = path::evaluate(piece, std::min(offset_mm, piece.length_mm));
-    return {{at[0].value(), at[1].value(), at[2].value()},
-            Eigen::Vector3d(at[3].value(), at[4].value(), at[5].value()).normalized()};
-}
-
-void SurfaceInterpolator::place_axes(SurfaceInstant& now) noexcept {
+    now.w = contact_.w;
+    now.pose = curve_->pose(contact_);
     const machine::Kinematics& kinematics = *path_->tool_path.kinematics;
     const Eigen::Vector3d& axis = now.pose.axis_in_workpiece;
     const int rotary = kinematics.rotary_count(), linear = kinematics.axis_count() - rotary;
@@ -72,6 +64,18 @@ void SurfaceInterpolator::place_axes(SurfaceInstant& now) noexcept {
     const auto at = kinematics.linear_for(now.pose.tip_in_workpiece_mm, rotary_rad_);
     for (int i = 0; i < linear; ++i) now.position[i] = at[i];
     for (int i = 0; i < rotary; ++i) now.position[linear + i] = rotary_rad_[i];
+}
+
+void SurfaceInterpolator::place_on_bridge(SurfaceInstant& now, double offset_mm) noexcept {
+    const double length_mm = path_->tool_path.pieces[now.path_piece].length_mm;
+    path::AxisSample sample;
+    axes_->evaluate({now.path_piece, std::min(offset_mm, length_mm)}, sample);
+    now.w = contact_.w;
+    now.pose = {{sample.tip[0].value(), sample.tip[1].value(), sample.tip[2].value()},
+                {sample.tool_axis[0].value(), sample.tool_axis[1].value(), sample.tool_axis[2].value()}};
+    const int count = axes_->axis_count(), linear = count - path_->tool_path.kinematics->rotary_count();
+    for (int i = 0; i < count; ++i) now.position[i] = sample.axes[i].value();
+    for (int i = linear; i < count; ++i) rotary_rad_[i - linear] = now.position[i];
 }
 
 }  // namespace trunnion::interpolation

@@ -9,6 +9,8 @@
 
 #include "trunnion/geometry/great_circle.hpp"
 
+#include "detail/surface_poles.hpp"
+
 namespace trunnion::interpolation {
 
 namespace {
@@ -46,43 +48,65 @@ std::array<double, 8> septic(const Taylor3& from, const Taylor3& to, double leng
             -20 * r0 + 10 * r1 - 2 * r2 + r3 / 6};
 }
 
+/// Where the tool is to follow a polynomial: a rough place of the curve, or one where the axis is led through a pole.
+struct Place {
+    double w;
+    std::optional<Eigen::Vector3d> pole;
+};
+
 class PathBuilder {
   public:
-    PathBuilder(const SurfaceCurve& curve, const SurfacePathOptions& options)
-        : curve_(curve), options_(options), knots_(curve.knots()), rough_(curve.rough_places()) {}
+    PathBuilder(const SurfaceCurve& curve, const machine::Kinematics& kinematics, const SurfacePathOptions& options)
+        : curve_(curve), options_(options), knots_(curve.knots()), rough_(curve.rough_places()) {
+        std::vector<double> breaks = knots_;
+        for (const double w : rough_) {
+            if (!(w > curve.begin() && w < curve.end())) continue;
+            breaks.push_back(w);
+            places_.push_back({w, {}});
+        }
+        std::ranges::sort(breaks);
+        for (const auto& [w, pole] : detail::poles_on(curve, kinematics, breaks, options.pole_rad))
+            places_.push_back({w, pole});
+        std::ranges::stable_sort(places_, {}, &Place::w);
+    }
 
     Result<SurfacePath> build() {
         double from = curve_.begin();
-        for (std::size_t next = 0; next < rough_.size();) {
-            if (rough_[next] <= from || rough_[next] >= curve_.end()) {
-                ++next;
-                continue;
-            }
+        for (std::size_t next = 0; next < places_.size();) {
             const auto bridge = bridge_over(next, from);
             if (!bridge) return fail(bridge.error());
-            if (auto done = smooth_part(from, bridge->from.w); !done) return fail(done.error());
-            add(bridge->from, bridge->to, bridge->length_mm, true);
-            path_.tool_path.bound.tip_mm = std::max(path_.tool_path.bound.tip_mm, bridge->error.tip_mm);
-            path_.tool_path.bound.orientation_rad =
-                std::max(path_.tool_path.bound.orientation_rad, bridge->error.axis_rad);
-            path_.bridged_mm += bridge->length_mm;
-            from = bridge->to.w;
-            while (next < rough_.size() && rough_[next] <= from) ++next;
+            if (auto done = smooth_part(from, bridge->nodes.front().w); !done) return fail(done.error());
+            add(*bridge);
+            from = bridge->nodes.back().w;
+            while (next < places_.size() && places_[next].w <= from) ++next;
         }
         if (auto done = smooth_part(from, curve_.end()); !done) return fail(done.error());
         return std::move(path_);
     }
 
   private:
+    /// Polynomials from node to node: one over rough places, with a node more at every pole.
     struct Bridge {
-        Node from, to;
-        double length_mm;
+        std::vector<Node> nodes;
+        std::vector<double> lengths_mm;
         Error error;
     };
 
     Node node(double w) const {
         const SurfaceSeries at = curve_.by_way(w);
         return {w, {at.tip[0], at.tip[1], at.tip[2], at.axis[0], at.axis[1], at.axis[2]}};
+    }
+
+    /// The axis shifted sideways into the pole, the centre of ball or torus where it is.
+    Node node_at_pole(double w, const Eigen::Vector3d& pole) const {
+        Node out = node(w);
+        const Eigen::Vector3d axis(out.at[3].value(), out.at[4].value(), out.at[5].value());
+        const Eigen::Vector3d shift = axis.dot(pole) * pole - axis;
+        for (int k = 0; k < 3; ++k) {
+            out.at[k].c[0] -= curve_.tool().corner_mm * shift[k];
+            out.at[3 + k].c[0] = axis.dot(pole) * pole[k];
+        }
+        return out;
     }
 
     /// Way along a part that may have knots and rough places inside.
@@ -109,6 +133,14 @@ class PathBuilder {
         return out;
     }
 
+    static Error error_between(const std::array<Taylor3, 6>& at, const machine::Pose& pose) {
+        const Eigen::Vector3d tip(at[0].value(), at[1].value(), at[2].value());
+        const Eigen::Vector3d axis(at[3].value(), at[4].value(), at[5].value());
+        return {(tip - pose.tip_in_workpiece_mm).norm(), geometry::angle_between(axis, pose.axis_in_workpiece)};
+    }
+
+    Error error_at(const Node& node) const { return error_between(node.at, curve_.pose(curve_.contact(node.w))); }
+
     /// How far the polynomial between two nodes is off the pose at equal way; its length.
     Error error_of(const Node& from, const Node& to, double& length_mm) const {
         std::array<double, parts + 1> way{};
@@ -120,10 +152,7 @@ class PathBuilder {
         Error out;
         for (int k = 1; k < parts; ++k) {
             const machine::Pose pose = curve_.pose(curve_.contact(from.w + (to.w - from.w) * k / parts));
-            const auto at = path::evaluate(fitted, way[k]);
-            const Eigen::Vector3d tip(at[0].value(), at[1].value(), at[2].value());
-            const Eigen::Vector3d axis(at[3].value(), at[4].value(), at[5].value());
-            out.widen({(tip - pose.tip_in_workpiece_mm).norm(), geometry::angle_between(axis, pose.axis_in_workpiece)});
+            out.widen(error_between(path::evaluate(fitted, way[k]), pose));
         }
         return out;
     }
@@ -135,25 +164,45 @@ class PathBuilder {
         path_.pieces.push_back({from.w, to.w, bridge});
     }
 
-    /// The longest bridge over a rough place, and those behind it that lie within, that keeps the tolerance.
+    void add(const Bridge& bridge) {
+        for (std::size_t k = 0; k < bridge.lengths_mm.size(); ++k) {
+            add(bridge.nodes[k], bridge.nodes[k + 1], bridge.lengths_mm[k], true);
+            path_.bridged_mm += bridge.lengths_mm[k];
+        }
+        path::DeviationBound& bound = path_.tool_path.bound;
+        bound.tip_mm = std::max(bound.tip_mm, bridge.error.tip_mm);
+        bound.orientation_rad = std::max(bound.orientation_rad, bridge.error.axis_rad);
+    }
+
+    /// The longest bridge over a place, and those behind it that lie within, that keeps the tolerance.
     Result<Bridge> bridge_over(std::size_t first, double earliest) const {
         for (double reach = options_.longest_bridge_mm; reach >= shortest_bridge_mm; reach /= 2) {
-            std::size_t last = first;
-            const auto w_reach = [&](std::size_t i) { return reach / curve_.contact(rough_[i]).rate_mm; };
-            const double low = std::max(earliest, rough_[first] - w_reach(first));
-            while (last + 1 < rough_.size() && rough_[last + 1] - w_reach(last + 1) < rough_[last] + w_reach(last))
-                ++last;
-            const double high = std::min(curve_.end(), rough_[last] + w_reach(last));
-            Bridge out{.from = node(low), .to = node(high), .length_mm = 0, .error = {}};
-            out.error = error_of(out.from, out.to, out.length_mm);
+            Bridge out = bridge_of(first, earliest, reach);
             if (out.error.tip_mm <= options_.bridge_tip_mm && out.error.axis_rad <= options_.bridge_axis_rad)
                 return out;
         }
-        const Eigen::Vector3d at = curve_.contact(rough_[first]).point_mm;
+        const Eigen::Vector3d at = curve_.contact(places_[first].w).point_mm;
         return fail({.code = "INTP0007",
                      .text = fmt::format("the surface has an edge across the curve at ({:.3f} {:.3f} {:.3f})", at.x(),
                                          at.y(), at.z()),
                      .hint = "end the pass there"});
+    }
+
+    Bridge bridge_of(std::size_t first, double earliest, double reach_mm) const {
+        const auto w_reach = [&](const Place& place) { return reach_mm / curve_.contact(place.w).rate_mm; };
+        std::size_t last = first;
+        while (last + 1 < places_.size() &&
+               places_[last + 1].w - w_reach(places_[last + 1]) < places_[last].w + w_reach(places_[last]))
+            ++last;
+        Bridge out;
+        out.nodes.push_back(node(std::max(earliest, places_[first].w - w_reach(places_[first]))));
+        for (std::size_t k = first; k <= last; ++k)
+            if (places_[k].pole) out.nodes.push_back(node_at_pole(places_[k].w, *places_[k].pole));
+        out.nodes.push_back(node(std::min(curve_.end(), places_[last].w + w_reach(places_[last]))));
+        for (std::size_t k = 0; k + 1 < out.nodes.size(); ++k)
+            out.error.widen(error_of(out.nodes[k], out.nodes[k + 1], out.lengths_mm.emplace_back()));
+        for (std::size_t k = 1; k + 1 < out.nodes.size(); ++k) out.error.widen(error_at(out.nodes[k]));
+        return out;
     }
 
     /// Pieces from one parameter to another with no rough place between.
@@ -193,6 +242,7 @@ class PathBuilder {
     const SurfaceCurve& curve_;
     const SurfacePathOptions& options_;
     std::vector<double> knots_, rough_;
+    std::vector<Place> places_;
     SurfacePath path_;
 };
 
@@ -203,6 +253,10 @@ Result<void> check_options(const SurfacePathOptions& options) {
                                                      {"tip tolerance of bridges", options.bridge_tip_mm},
                                                      {"axis tolerance of bridges", options.bridge_axis_rad},
                                                      {"length of bridges", options.longest_bridge_mm}};
+    if (!(options.pole_rad >= 0 && options.pole_rad <= options.bridge_axis_rad))
+        return fail({.code = "INTP0006",
+                     .text = "the angle from a pole must be from 0 to the axis tolerance of bridges",
+                     .value = fmt::format("{}", options.pole_rad)});
     for (const auto& [what, value] : bounds)
         if (!(value > 0 && std::isfinite(value)))
             return fail({.code = "INTP0006",
@@ -216,7 +270,7 @@ Result<void> check_options(const SurfacePathOptions& options) {
 Result<SurfacePath> surface_path(const SurfaceCurve& curve, const machine::Kinematics& kinematics,
                                  const SurfacePathOptions& options) {
     if (auto sound = check_options(options); !sound) return fail(sound.error());
-    auto out = PathBuilder(curve, options).build();
+    auto out = PathBuilder(curve, kinematics, options).build();
     if (!out) return out;
     path::ToolPath& path = out->tool_path;
     path.kinematics = &kinematics;

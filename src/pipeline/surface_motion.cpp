@@ -12,7 +12,6 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/geometry/great_circle.hpp"
-#include "trunnion/path/rotary_stands.hpp"
 
 #include "detail/surface_motion_mover.hpp"
 
@@ -25,7 +24,7 @@ using surfacing::Pass;
 
 namespace {
 
-constexpr double axis_misfit_rad = 0.5 * degree;
+constexpr double axis_misfit_rad = 0.5 * degree, stand_slack_rad = 1e-6;
 
 /// Moves of a program in which a pass is gone: the one that ends at its first contact, and its last one.
 struct MoveSpan {
@@ -118,16 +117,17 @@ void set_pose(program::Move& move, const machine::Pose& pose) {
 }
 
 /// Passes of a plan, with the links between them led exactly to where the curves begin and end.
-class PlanMover {
+class PassPlanner {
   public:
-    PlanMover(const surfacing::SurfacePlan& plan, const std::vector<RotaryStand>& stands, SurfaceMover& mover)
-        : plan_(plan), stands_(stands), mover_(mover) {}
+    PassPlanner(const surfacing::SurfacePlan& plan, const machine::Machine& machine, const machine::Setup& setup,
+                std::vector<RotaryStand> stands, SurfaceMotionPlanner& planner)
+        : plan_(plan), machine_(machine), setup_(setup), stands_(std::move(stands)), planner_(planner) {}
 
     Result<void> pass(const interpolation::SurfaceCurve& curve, const MoveSpan& span, double feed_mm_s) {
         const machine::Pose begin = curve.pose(curve.contact(curve.begin()));
         if (auto linked = link_to(span.first, &begin); !linked) return linked;
         const auto moved =
-            mover_.pass(curve, feed_mm_s, plan_.program.moves[span.last].line, stands_[span.first].rotary_rad);
+            planner_.pass(curve, feed_mm_s, plan_.program.moves[span.last].line, stands_[span.first].rotary_rad);
         at_ = span.last;
         end_ = curve.pose(curve.contact(curve.end()));
         return moved;
@@ -137,15 +137,35 @@ class PlanMover {
   private:
     Result<void> link_to(std::size_t last, const machine::Pose* to) {
         if (at_ == last) return {};
+        if (auto chosen = stand_where_the_pass_ended(); !chosen) return chosen;
         Program part = part_of(plan_.program, at_, last);
         if (end_) set_pose(part.moves.front(), *end_);
         if (to) set_pose(part.moves.back(), *to);
-        return mover_.link(part, part_of(stands_, at_, last));
+        return planner_.link(part, part_of(stands_, at_, last));
+    }
+
+    /// Between its contacts a pass may go round a pole on the other side than straight moves do; then the axes stand a
+    /// turn away from where these end, and what is behind begins from there.
+    Result<void> stand_where_the_pass_ended() {
+        const auto standing = planner_.standing();
+        if (!standing) return {};
+        bool there = true;
+        for (int a = 0; a < machine_.rotary_count; ++a)
+            there = there && std::abs((*standing)[a] - stands_[at_].rotary_rad[a]) < stand_slack_rad;
+        if (there) return {};
+        Program rest = part_of(plan_.program, at_, plan_.program.moves.size() - 1);
+        set_pose(rest.moves.front(), *end_);
+        const auto stands = surface_stands(rest, machine_, setup_, standing);
+        if (!stands) return fail(stands.error());
+        std::ranges::copy(*stands, stands_.begin() + static_cast<std::ptrdiff_t>(at_));
+        return {};
     }
 
     const surfacing::SurfacePlan& plan_;
-    const std::vector<RotaryStand>& stands_;
-    SurfaceMover& mover_;
+    const machine::Machine& machine_;
+    const machine::Setup& setup_;
+    std::vector<RotaryStand> stands_;
+    SurfaceMotionPlanner& planner_;
     std::size_t at_ = 0;
     std::optional<machine::Pose> end_;  // of the pass before
 };
@@ -163,40 +183,67 @@ Result<SurfaceMotionSummary> move_surface(const surfacing::SurfacePlan& plan, st
     if (!spans) return fail(spans.error());
     const auto kinematics = machine::Kinematics::make(machine, setup.workpiece, setup.tool.length_mm);
     if (!kinematics) return fail(kinematics.error());
-    const auto stands = path::choose_rotary_stands(plan.program, machine, setup);
+    auto stands = surface_stands(plan.program, machine, setup);
     if (!stands) return fail(stands.error());
-    SurfaceMover mover(machine, setup, *kinematics, options, observer);
-    PlanMover passes(plan, *stands, mover);
-    for (std::size_t k = 0; k < plan.passes.size(); ++k) {
-        const auto tool = tool_on(plan.passes[k], *cutter, surface);
-        if (!tool) return fail(tool.error());
-        const auto curve = curve_of_pass(plan.passes[k], faces, *tool, options.place_tolerance_mm);
-        if (!curve) return fail(curve.error());
-        if (auto moved = passes.pass(*curve, (*spans)[k], surface.feed_mm_s); !moved) return fail(moved.error());
-        if (!observer.progress(static_cast<double>(k + 1) / static_cast<double>(plan.passes.size())))
-            return fail({.code = "PIPE0002", .text = "cancelled"});
-    }
-    if (auto linked = passes.finish(); !linked) return fail(linked.error());
+    const auto plan_all = [&](const SurfaceMotionPlanner::Sink& sink) -> Result<void> {
+        SurfaceMotionPlanner planner(machine, setup, *kinematics, options, sink);
+        PassPlanner passes(plan, machine, setup, *std::move(stands), planner);
+        for (std::size_t k = 0; k < plan.passes.size(); ++k) {
+            const auto tool = tool_on(plan.passes[k], *cutter, surface);
+            if (!tool) return fail(tool.error());
+            const auto curve = curve_of_pass(plan.passes[k], faces, *tool, options.place_tolerance_mm);
+            if (!curve) return fail(curve.error());
+            if (auto moved = passes.pass(*curve, (*spans)[k], surface.feed_mm_s); !moved) return moved;
+            planner.at_share(static_cast<double>(k + 1) / static_cast<double>(plan.passes.size()));
+        }
+        return passes.finish();
+    };
+    SurfaceMover mover(machine, setup, options, observer);
+    if (auto moved = move_as_planned(plan_all, mover, observer, options.plan.threads); !moved)
+        return fail(moved.error());
     return mover.finish();
 }
 
 Result<std::vector<verify::ProgrammedPose>> programmed_poses(const surfacing::SurfacePlan& plan,
                                                              const machine::Machine& machine,
                                                              const machine::Setup& setup) {
-    const auto stands = path::choose_rotary_stands(plan.program, machine, setup);
+    const auto stands = surface_stands(plan.program, machine, setup);
     if (!stands) return fail(stands.error());
     return verify::programmed_poses(plan.program, machine, setup, *stands);
 }
+
+namespace {
+
+std::string part_line(const SurfacePartCheck& part) {
+    if (!part.in_part) return fmt::format("the tool goes into none of the part's {} faces\n", part.faces);
+    const auto& in = *part.in_part;
+    return fmt::format("NOT USABLE: THE {} GOES {:.4g} mm INTO face {} at ({:.3f} {:.3f} {:.3f})\n",
+                       in.by_holder ? "HOLDER" : "TOOL", in.depth_mm, part.in_part_face, in.at_mm.x(), in.at_mm.y(),
+                       in.at_mm.z());
+}
+
+nlohmann::ordered_json part_json(const SurfacePartCheck& part) {
+    nlohmann::ordered_json in_part;
+    if (const auto& in = part.in_part)
+        in_part = {{"depth_mm", in->depth_mm},
+                   {"face", part.in_part_face},
+                   {"at_mm", {in->at_mm.x(), in->at_mm.y(), in->at_mm.z()}},
+                   {"by_holder", in->by_holder}};
+    return {{"faces", part.faces}, {"in_part", in_part}};
+}
+
+}  // namespace
 
 std::string SurfaceMotionSummary::report() const {
     std::string out = motion.report();
     out += fmt::format("{} passes on the surface, {:.1f} mm in {:.3f} s, {:.1f} % of it at the programmed feed\n",
                        passes, pass_way_mm, pass_time_s, 100 * constant_feed_share);
     if (bridged_mm > 0)
-        out += fmt::format("{:.1f} mm over knots of the surface, up to {:.3f} um and {:.5f} deg off it\n", bridged_mm,
-                           1e3 * bridge_tip_mm, bridge_axis_rad / degree);
+        out += fmt::format("{:.1f} mm over knots of the surface and poles, up to {:.3f} um and {:.5f} deg off it\n",
+                           bridged_mm, 1e3 * bridge_tip_mm, bridge_axis_rad / degree);
     out += fmt::format("first setpoints after {:.1f} ms; planned at least {:.2f} s ahead from then on\n",
                        1e3 * first_ready_s, least_ahead_s);
+    if (part) out += part_line(*part);
     return out;
 }
 
@@ -212,7 +259,9 @@ std::string to_json(const SurfaceMotionSummary& summary) {
                       {"bridge_axis_deg", summary.bridge_axis_rad / degree},
                       {"bridged_mm", summary.bridged_mm},
                       {"first_ready_s", summary.first_ready_s},
-                      {"least_ahead_s", summary.least_ahead_s}};
+                      {"least_ahead_s", summary.least_ahead_s},
+                      {"part", summary.part ? part_json(*summary.part) : nlohmann::ordered_json(nullptr)}};
+    out["usable"] = summary.usable();
     return out.dump(2) + "\n";
 }
 

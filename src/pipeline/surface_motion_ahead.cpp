@@ -1,20 +1,15 @@
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "trunnion/path/rotary_stands.hpp"
 #include "trunnion/pipeline/surface_motion.hpp"
-#include "trunnion/surfacing/path_interval.hpp"
 
+#include "detail/surface_motion_layer.hpp"
 #include "detail/surface_motion_mover.hpp"
 
 namespace trunnion::pipeline {
 
-using geometry::SurfacePlace;
 using interpolation::SurfaceCurve;
 using interpolation::SurfaceTool;
 using program::Program;
@@ -22,128 +17,6 @@ using program::Program;
 namespace {
 
 constexpr int most_passes = 20000;
-constexpr int places_of_a_pass = 200;
-
-using Places = std::vector<SurfacePlace>;
-
-/// The passes of Lin & Koren's rule, one after the other.
-class PassLayer {
-  public:
-    PassLayer(const surfacing::Face& face, const surfacing::Cutter& cutter, const surfacing::SurfaceOptions& options)
-        : face_(face), cutter_(cutter), options_(options) {}
-
-    /// The parts of the next pass within the face, in the direction of u; none behind the border of largest v.
-    Result<std::vector<Places>> next() {
-        if (at_end_) return std::vector<Places>{};
-        const auto &u = face_.surface.u(), &v = face_.surface.v();
-        if (front_.empty()) {
-            front_ = along_border(v.begin());
-            return std::vector<Places>{front_};
-        }
-        if (auto moved = move_on(); !moved) return fail(moved.error());
-        auto inside = parts_within(v.end(), 1e-3 * (u.end() - u.begin()));
-        at_end_ = inside.empty();
-        if (at_end_) inside.push_back(along_border(v.end()));
-        return inside;
-    }
-
-  private:
-    /// A place with its shape, and the unit direction across the pass, towards growing v.
-    struct Station {
-        geometry::SurfaceShape shape;
-        Eigen::Vector3d across;
-    };
-
-    Places along_border(double v) const {
-        const auto& u = face_.surface.u();
-        Places out;
-        for (int k = 0; k <= places_of_a_pass; ++k)
-            out.push_back({u.begin() + (u.end() - u.begin()) * k / places_of_a_pass, v});
-        return out;
-    }
-
-    Result<Station> station(std::size_t i) const {
-        const SurfacePlace &before = front_[i == 0 ? 0 : i - 1], &behind = front_[std::min(i + 1, front_.size() - 1)];
-        const auto shape = geometry::shape_at(face_.surface, front_[i], face_.side);
-        if (!shape)
-            return fail({.code = "INTP0003",
-                         .text = "the surface has no normal at a place of the curve",
-                         .value = fmt::format("u = {}, v = {}", front_[i].u, front_[i].v)});
-        const Eigen::Vector3d along = (behind.u - before.u) * shape->by_u + (behind.v - before.v) * shape->by_v;
-        Eigen::Vector3d across = shape->normal.cross(along).normalized();
-        if (across.dot(shape->by_v) < 0) across = -across;
-        return Station{*shape, across};
-    }
-
-    /// All places by the least interval of any. SURF0203 where the surface rises above the tool's rim.
-    Result<void> move_on() {
-        std::vector<Station> stations;
-        double least = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < front_.size(); ++i) {
-            auto at = station(i);
-            if (!at) return fail(at.error());
-            const Eigen::Vector2d across = at->shape.components(at->across);
-            const auto parting = surfacing::parting(cutter_, at->shape, at->shape.normal);
-            const double rise =
-                0.5 * geometry::principal_curvatures(parting).smaller * cutter_.radius_mm() * cutter_.radius_mm();
-            if (rise < -options_.gouge_tolerance_mm) return fail(too_hollow(at->shape));
-            least = std::min(least, surfacing::path_interval_mm(cutter_, at->shape, at->shape.normal, across,
-                                                                options_.scallop_mm, true));
-            stations.push_back(*std::move(at));
-        }
-        Places moved;
-        for (std::size_t i = 0; i < front_.size(); ++i) {
-            const Eigen::Vector3d step = least * stations[i].across;
-            const Eigen::Vector2d way = stations[i].shape.parameters_along(step);
-            constexpr double margin = 0.5;
-            moved.push_back(geometry::closest_place(face_.surface, stations[i].shape.point + step,
-                                                    {front_[i].u + way.x(), front_[i].v + way.y()}, margin));
-        }
-        front_ = at_even_u(moved);
-        return {};
-    }
-
-    static Diagnostic too_hollow(const geometry::SurfaceShape& at) {
-        return {.code = "SURF0203",
-                .text = fmt::format("the surface is hollower than the tool is round at ({:.3f} {:.3f} {:.3f})",
-                                    at.point.x(), at.point.y(), at.point.z()),
-                .hint = "Lin & Koren's rule is for surfaces that bulge towards the tool"};
-    }
-
-    /// The front from border to border in u.
-    Places at_even_u(const Places& moved) const {
-        Places out;
-        std::size_t k = 0;
-        for (const SurfacePlace& even : along_border(0)) {
-            while (k + 2 < moved.size() && moved[k + 1].u < even.u) ++k;
-            const double share = (even.u - moved[k].u) / (moved[k + 1].u - moved[k].u);
-            out.push_back({even.u, moved[k].v + share * (moved[k + 1].v - moved[k].v)});
-        }
-        return out;
-    }
-
-    /// Parts of the front with v below the border, cut there; stubs left out.
-    std::vector<Places> parts_within(double border, double shortest_u) const {
-        std::vector<Places> out;
-        const auto cut = [&](const SurfacePlace& a, const SurfacePlace& b) {
-            return SurfacePlace{a.u + (b.u - a.u) * (border - a.v) / (b.v - a.v), border};
-        };
-        for (std::size_t i = 0; i < front_.size(); ++i) {
-            const bool inside = front_[i].v < border, was_inside = i > 0 && front_[i - 1].v < border;
-            if (inside && !was_inside) out.emplace_back();
-            if (i > 0 && inside != was_inside) out.back().push_back(cut(front_[i - 1], front_[i]));
-            if (inside) out.back().push_back(front_[i]);
-        }
-        std::erase_if(out, [&](const Places& part) { return part.back().u - part.front().u < shortest_u; });
-        return out;
-    }
-
-    const surfacing::Face& face_;
-    const surfacing::Cutter& cutter_;
-    const surfacing::SurfaceOptions& options_;
-    Places front_;
-    bool at_end_ = false;
-};
 
 Result<void> check_surface_options(const surfacing::SurfaceOptions& options, const surfacing::Cutter& cutter) {
     struct Bound {
@@ -225,60 +98,71 @@ class LinkWriter {
     Program program_{.name = "surface", .dialect = "apt"};
 };
 
-/// Lays and moves pass after pass.
-class AheadMover {
+/// Lays and plans pass after pass.
+class AheadPlanner {
   public:
-    AheadMover(const surfacing::Face& face, const surfacing::SurfaceOptions& surface, const machine::Machine& machine,
-               const machine::Setup& setup, double tolerance_mm, SurfaceMover& mover)
+    AheadPlanner(const surfacing::Face& face, const surfacing::Cutter& cutter, const surfacing::SurfaceOptions& surface,
+                 const machine::Machine& machine, const machine::Setup& setup, double tolerance_mm,
+                 SurfaceMotionPlanner& planner)
         : face_(face),
+          cutter_(cutter),
           surface_(surface),
           machine_(machine),
           setup_(setup),
           tolerance_mm_(tolerance_mm),
-          mover_(mover) {}
+          planner_(planner) {}
 
-    Result<void> pass(Places places, const surfacing::Cutter& cutter) {
+    Result<void> pass(SurfacePlaces places) {
         const bool backwards = surface_.zigzag && count_ % 2 == 1;
         if (backwards) std::ranges::reverse(places);
-        const SurfaceTool tool{cutter.radius_mm(), cutter.corner_mm(), surface_.lead_rad,
+        const SurfaceTool tool{cutter_.radius_mm(), cutter_.corner_mm(), surface_.lead_rad,
                                backwards ? -surface_.tilt_rad : surface_.tilt_rad};
         const auto curve = curve_of(face_, places, tool, tolerance_mm_);
         if (!curve) return fail(curve.error());
         Program program = LinkWriter(surface_).link(end_, curve->pose(curve->contact(curve->begin())));
         const std::size_t links = program.moves.size();
         LinkWriter::along(*curve, surface_.feed_mm_s, program);
-        const auto stands = path::choose_rotary_stands(program, machine_, setup_, 0, standing());
+        const auto stands = surface_stands(program, machine_, setup_, planner_.standing());
         if (!stands) return fail(stands.error());
         program.moves.resize(links);
         const auto linked =
-            mover_.link(program, {stands->begin(), stands->begin() + static_cast<std::ptrdiff_t>(links)});
+            planner_.link(program, {stands->begin(), stands->begin() + static_cast<std::ptrdiff_t>(links)});
         if (!linked) return linked;
         const auto line = static_cast<std::int32_t>(++count_);
-        if (auto moved = mover_.pass(*curve, surface_.feed_mm_s, line, {}); !moved) return moved;
+        if (auto planned = planner_.pass(*curve, surface_.feed_mm_s, line, {}); !planned) return planned;
         end_ = curve->pose(curve->contact(curve->end()));
         return {};
     }
 
     Result<void> finish() {
         const Program program = LinkWriter(surface_).last(*end_);
-        auto stands = path::choose_rotary_stands(program, machine_, setup_, 0, standing());
-        return stands ? mover_.link(program, std::move(*stands)) : fail(stands.error());
+        auto stands = surface_stands(program, machine_, setup_, planner_.standing());
+        return stands ? planner_.link(program, std::move(*stands)) : fail(stands.error());
     }
 
   private:
-    std::optional<machine::RotaryPosition> standing() const {
-        return end_ ? std::optional(mover_.standing()) : std::nullopt;
-    }
-
     const surfacing::Face& face_;
+    const surfacing::Cutter& cutter_;
     const surfacing::SurfaceOptions& surface_;
     const machine::Machine& machine_;
     const machine::Setup& setup_;
     double tolerance_mm_;
-    SurfaceMover& mover_;
+    SurfaceMotionPlanner& planner_;
     std::optional<machine::Pose> end_;
     int count_ = 0;
 };
+
+Result<void> plan_all(SurfacePassLayer& layer, AheadPlanner& ahead, SurfaceMotionPlanner& planner) {
+    for (int count = 0; count < most_passes; ++count) {
+        const auto parts = layer.next();
+        if (!parts) return fail(parts.error());
+        if (parts->empty()) return ahead.finish();
+        for (const SurfacePlaces& places : *parts)
+            if (auto planned = ahead.pass(places); !planned) return planned;
+        planner.at_share(layer.share());
+    }
+    return fail({.code = "PIPE0133", .text = fmt::format("more than {} passes", most_passes)});
+}
 
 }  // namespace
 
@@ -294,21 +178,16 @@ Result<SurfaceMotionSummary> move_surface_ahead(const surfacing::Face& face, con
                      .hint = "plan the face first"});
     const auto kinematics = machine::Kinematics::make(machine, setup.workpiece, setup.tool.length_mm);
     if (!kinematics) return fail(kinematics.error());
-    SurfaceMover mover(machine, setup, *kinematics, options, observer);
-    PassLayer layer(face, cutter, surface);
-    AheadMover ahead(face, surface, machine, setup, options.place_tolerance_mm, mover);
-    for (int count = 0; count < most_passes; ++count) {
-        const auto parts = layer.next();
-        if (!parts) return fail(parts.error());
-        if (parts->empty()) {
-            if (auto done = ahead.finish(); !done) return fail(done.error());
-            return mover.finish();
-        }
-        for (const Places& places : *parts)
-            if (auto moved = ahead.pass(places, cutter); !moved) return fail(moved.error());
-        if (!observer.progress(0)) return fail({.code = "PIPE0002", .text = "cancelled"});
-    }
-    return fail({.code = "PIPE0133", .text = fmt::format("more than {} passes", most_passes)});
+    const auto plan = [&](const SurfaceMotionPlanner::Sink& sink) {
+        SurfaceMotionPlanner planner(machine, setup, *kinematics, options, sink);
+        SurfacePassLayer layer(face, cutter, surface);
+        AheadPlanner ahead(face, cutter, surface, machine, setup, options.place_tolerance_mm, planner);
+        return plan_all(layer, ahead, planner);
+    };
+    SurfaceMover mover(machine, setup, options, observer);
+    constexpr int threads = 2;
+    if (auto moved = move_as_planned(plan, mover, observer, threads); !moved) return fail(moved.error());
+    return mover.finish();
 }
 
 }  // namespace trunnion::pipeline

@@ -2,26 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
+#include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "trunnion/base/quantity.hpp"
 #include "trunnion/interpolation/interpolator.hpp"
-#include "trunnion/interpolation/surface_fit.hpp"
 #include "trunnion/interpolation/surface_interpolator.hpp"
 
-#include "detail/stretch_source.hpp"
+#include "detail/bounded_queue.hpp"
 
 namespace trunnion::pipeline {
 
-using interpolation::SurfaceCurve;
-using interpolation::SurfacePath;
-
 namespace {
 
-constexpr double joint_slack = 1e-6;  // mm or rad, as between the stretches of a program
 constexpr double constant_feed = 1e-3;
+constexpr std::size_t stretches_ahead = 64;
 
 double tip_speed(const path::AxisPath& path, const motion::FeedProfile& profile,
                  const interpolation::SurfaceInstant& now) {
@@ -34,6 +32,9 @@ double tip_speed(const path::AxisPath& path, const motion::FeedProfile& profile,
 }  // namespace
 
 Result<void> check_motion_options(const SurfaceMotionOptions& options) {
+    if (options.plan.threads != 1 && options.plan.threads != 2)
+        return fail({.code = "PIPE0001",
+                     .text = fmt::format("planning runs on 1 or 2 threads, not on {}", options.plan.threads)});
     for (const auto& [what, value] : {std::pair{"the period", options.plan.period_s},
                                       {"the tolerance of places", options.place_tolerance_mm},
                                       {"the tip tolerance", options.plan.smoothing.tip_tolerance_mm}})
@@ -44,101 +45,46 @@ Result<void> check_motion_options(const SurfaceMotionOptions& options) {
     return {};
 }
 
-Result<SurfaceCurve> curve_of(const surfacing::Face& face, std::span<const geometry::SurfacePlace> places,
-                              const interpolation::SurfaceTool& tool, double tolerance_mm) {
-    const auto fitted = interpolation::fit_places(face.surface, places, tolerance_mm);
-    if (!fitted) return fail(fitted.error());
-    return SurfaceCurve::make(face.surface, face.side, *fitted, tool);
-}
-
-machine::RotaryPosition SurfaceMover::standing() const {
-    machine::RotaryPosition out{};
-    for (int a = 0; a < machine_.rotary_count; ++a) out[a] = at_[machine_.linear_count() + a];
-    return out;
-}
-
-Result<void> SurfaceMover::link(const program::Program& program, std::vector<program::RotaryStand> stands) {
-    WholeProgram whole(program, machine_, setup_, std::move(stands));
-    StretchSource stretches(whole, machine_, options_.plan);
-    for (;;) {
-        const auto element = stretches.next();
-        if (!element) return fail(element.error());
-        if (!*element) return {};
-        const auto* begin = std::get_if<StretchBegin>(&(*element)->content);
-        if (!begin) continue;
-        const path::AxisPath& path = *begin->stretch->axis_path;
-        if (auto joined = check_joint(path); !joined) return joined;
-        const auto plan = feed::plan_stretch(path, options_.plan.feed);
-        if (!plan) return fail(located(plan.error(), program, path.tool_path().blocks.front().line));
-        begin_stretch(path);
-        const StretchTable table = StretchTable::of(path, plan->profile, way_mm_);
-        sample(path, *plan, table);
-        end_stretch(path, *plan, table);
-    }
-}
-
-Result<void> SurfaceMover::pass(const SurfaceCurve& curve, double feed_mm_s, std::int32_t line,
-                                const machine::RotaryPosition& near) {
-    const auto way = interpolation::surface_path(
-        curve, kinematics_, {.feed_mm_s = feed_mm_s, .feed_point = options_.feed_point, .line = line});
-    if (!way) return fail(way.error());
-    const auto path = path::AxisPath::make(way->tool_path, machine_, moved_ ? standing() : near);
-    if (!path) return fail(path.error());
-    if (auto joined = check_joint(*path); !joined) return joined;
-    const auto plan = feed::plan_stretch(*path, options_.plan.feed);
-    if (!plan) return fail(plan.error());
-    begin_stretch(*path);
-    const StretchTable table = StretchTable::of(*path, plan->profile, way_mm_);
-    sample(curve, *way, *path, *plan, table, feed_mm_s);
-    end_stretch(*path, *plan, table);
-    ++out_.passes;
-    out_.pass_time_s += plan->profile.duration_s();
-    out_.pass_way_mm += way->tool_path.length_mm();
-    out_.bridged_mm += way->bridged_mm;
-    out_.fit_tip_mm = std::max(out_.fit_tip_mm, way->fit_tip_mm);
-    out_.fit_axis_rad = std::max(out_.fit_axis_rad, way->fit_axis_rad);
-    out_.bridge_tip_mm = std::max(out_.bridge_tip_mm, way->tool_path.bound.tip_mm);
-    out_.bridge_axis_rad = std::max(out_.bridge_axis_rad, way->tool_path.bound.orientation_rad);
-    return {};
-}
-
-/// The axes go on from where they stand.
-Result<void> SurfaceMover::check_joint(const path::AxisPath& next) const {
-    const machine::AxisPosition begin = next.begin_position();
-    for (int i = 0; moved_ && i < machine_.axis_count; ++i) {
-        if (std::abs(begin[i] - at_[i]) <= joint_slack) continue;
-        const machine::Axis& axis = machine_.axes[i];
-        const double unit = axis.rotary ? degree : 1;
-        return fail({.code = "PIPE0131",
-                     .text = fmt::format("axis {} would have to move where a pass begins or ends", axis.letter),
-                     .place = {.line = next.tool_path().blocks.front().line},
-                     .value = fmt::format("{:.6f} {}", begin[i] / unit, axis.rotary ? "deg" : "mm"),
-                     .limit = fmt::format("{:.6f} {}", at_[i] / unit, axis.rotary ? "deg" : "mm"),
-                     .hint = "give lead or tilt, so that passes do not end with the tool along a rotary axis"});
-    }
-    return {};
-}
-
-void SurfaceMover::begin_stretch(const path::AxisPath& path) {
-    const double now_s = std::chrono::duration<double>(Clock::now() - start_).count();
-    if (!moved_) {
-        out_.first_ready_s = now_s;
-        out_.least_ahead_s = std::numeric_limits<double>::infinity();
-        at_ = path.begin_position();
-    } else {
-        out_.least_ahead_s = std::min(out_.least_ahead_s, out_.first_ready_s + time_s_ - now_s);
-    }
+void SurfaceMover::take(const PlannedSurfaceStretch& stretch) {
+    note_when_ready(stretch);
+    const path::AxisPath& axes = stretch.axes();
+    if (!moved_) at_ = axes.begin_position();
     moved_ = true;
     stand_until(time_s_);
+    if (stretch.pass) {
+        sample_pass(stretch);
+        add(stretch);
+    } else {
+        sample_link(stretch);
+    }
+    account_.add(axes, stretch.plan, stretch.table, {});
+    account_.add_blocks(axes.tool_path().blocks.size());
+    at_ = axes.end_position();
+    line_ = axes.tool_path().blocks.back().line;
+    time_s_ += stretch.plan.profile.duration_s();
+    way_mm_ = stretch.table.s_mm.back();
 }
 
-void SurfaceMover::end_stretch(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table) {
-    account_.add(path, plan, table, {});
-    account_.add_blocks(path.tool_path().blocks.size());
-    at_ = path.end_position();
-    line_ = path.tool_path().blocks.back().line;
-    time_s_ += plan.profile.duration_s();
-    way_mm_ = table.s_mm.back();
+void SurfaceMover::note_when_ready(const PlannedSurfaceStretch& stretch) {
+    const double ready_s = std::chrono::duration<double>(stretch.ready - start_).count();
+    if (!moved_) {
+        out_.first_ready_s = ready_s;
+        out_.least_ahead_s = std::numeric_limits<double>::infinity();
+    } else {
+        out_.least_ahead_s = std::min(out_.least_ahead_s, out_.first_ready_s + time_s_ - ready_s);
+    }
+}
+
+void SurfaceMover::add(const PlannedSurfaceStretch& pass) {
+    const interpolation::SurfacePath& way = pass.pass->way;
+    ++out_.passes;
+    out_.pass_time_s += pass.plan.profile.duration_s();
+    out_.pass_way_mm += way.tool_path.length_mm();
+    out_.bridged_mm += way.bridged_mm;
+    out_.fit_tip_mm = std::max(out_.fit_tip_mm, way.fit_tip_mm);
+    out_.fit_axis_rad = std::max(out_.fit_axis_rad, way.fit_axis_rad);
+    out_.bridge_tip_mm = std::max(out_.bridge_tip_mm, way.tool_path.bound.tip_mm);
+    out_.bridge_axis_rad = std::max(out_.bridge_axis_rad, way.tool_path.bound.orientation_rad);
 }
 
 void SurfaceMover::emit(const motion::Setpoint& row) {
@@ -150,30 +96,32 @@ void SurfaceMover::stand_until(double time_s) {
     while (next_row_s() < time_s) emit({next_row_s(), at_, line_, way_mm_, 0});
 }
 
-void SurfaceMover::sample(const path::AxisPath& path, const feed::StretchPlan& plan, const StretchTable& table) {
-    const double end_s = time_s_ + plan.profile.duration_s();
-    interpolation::Interpolator interpolator(path, plan.profile);
+void SurfaceMover::sample_link(const PlannedSurfaceStretch& stretch) {
+    const double end_s = time_s_ + stretch.plan.profile.duration_s();
+    const path::AxisPath& path = stretch.axes();
+    interpolation::Interpolator interpolator(path, stretch.plan.profile);
     for (double t = next_row_s(); t < end_s; t = next_row_s()) {
         const interpolation::Instant now = interpolator.at(t - time_s_);
         const std::size_t piece = now.path_state.profile_piece;
-        const double s = table.s_mm[piece] + (now.tip_in_workpiece_mm - table.tip_mm[piece]).norm();
+        const double s = stretch.table.s_mm[piece] + (now.tip_in_workpiece_mm - stretch.table.tip_mm[piece]).norm();
         emit({t, now.position, path.tool_path().blocks[now.block].line, s, now.tip_speed_mm_s});
     }
 }
 
-void SurfaceMover::sample(const SurfaceCurve& curve, const SurfacePath& way, const path::AxisPath& path,
-                          const feed::StretchPlan& plan, const StretchTable& table, double feed_mm_s) {
-    const double end_s = time_s_ + plan.profile.duration_s();
-    const interpolation::SurfaceProfile profile(plan.profile);
-    interpolation::SurfaceInterpolator interpolator(curve, way, profile, standing(), options_.order);
-    const std::int32_t line = way.tool_path.blocks.front().line;
+void SurfaceMover::sample_pass(const PlannedSurfaceStretch& stretch) {
+    const SurfacePass& pass = *stretch.pass;
+    const double end_s = time_s_ + stretch.plan.profile.duration_s();
+    const interpolation::SurfaceProfile profile(stretch.plan.profile);
+    interpolation::SurfaceInterpolator interpolator(pass.curve, pass.way, *pass.axes, profile, options_.order);
+    const std::int32_t line = pass.way.tool_path.blocks.front().line;
     for (double t = next_row_s(); t < end_s; t = next_row_s()) {
         const interpolation::SurfaceInstant now = interpolator.at(t - time_s_);
         const std::size_t piece = now.profile_piece;
-        const double s = table.s_mm[piece] + (now.pose.tip_in_workpiece_mm - table.tip_mm[piece]).norm();
-        const double tip = tip_speed(path, plan.profile, now);
+        const double s =
+            stretch.table.s_mm[piece] + (now.pose.tip_in_workpiece_mm - stretch.table.tip_mm[piece]).norm();
+        const double tip = tip_speed(*pass.axes, stretch.plan.profile, now);
         const double counted = options_.feed_point == interpolation::FeedPoint::tip ? tip : now.contact_feed_mm_s;
-        if (std::abs(counted - feed_mm_s) <= constant_feed * feed_mm_s) constant_s_ += options_.plan.period_s;
+        if (std::abs(counted - pass.feed_mm_s) <= constant_feed * pass.feed_mm_s) constant_s_ += options_.plan.period_s;
         emit({t, now.position, line, s, tip});
     }
 }
@@ -192,6 +140,58 @@ SurfaceMotionSummary SurfaceMover::finish() {
     out_.motion.work.elapsed_s = std::chrono::duration<double>(Clock::now() - start_).count();
     out_.constant_feed_share = out_.pass_time_s > 0 ? std::min(constant_s_ / out_.pass_time_s, 1.0) : 0;
     return std::move(out_);
+}
+
+namespace {
+
+/// A plan on a thread of its own. What it throws is thrown by result().
+class PlanningThread {
+  public:
+    explicit PlanningThread(const PlanSurfaceMotion& plan) : plan_(plan), thread_([this] { work(); }) {}
+    ~PlanningThread() { stop(); }
+    PlanningThread(const PlanningThread&) = delete;
+    PlanningThread& operator=(const PlanningThread&) = delete;
+
+    std::optional<PlannedSurfaceStretch> next() { return queue_.pop(); }
+    Result<void> result() {
+        stop();
+        if (thrown_) std::rethrow_exception(thrown_);
+        return std::move(done_);
+    }
+
+  private:
+    void work() noexcept {
+        try {
+            done_ = plan_([this](PlannedSurfaceStretch stretch) { return queue_.push(std::move(stretch)); });
+        } catch (...) {
+            thrown_ = std::current_exception();
+        }
+        queue_.close();
+    }
+    void stop() {
+        queue_.close();
+        if (thread_.joinable()) thread_.join();
+    }
+
+    const PlanSurfaceMotion& plan_;
+    BoundedQueue<PlannedSurfaceStretch> queue_{stretches_ahead};
+    Result<void> done_;
+    std::exception_ptr thrown_;
+    std::thread thread_;
+};
+
+}  // namespace
+
+Result<void> move_as_planned(const PlanSurfaceMotion& plan, SurfaceMover& mover, PlanObserver& observer, int threads) {
+    const auto move = [&](const PlannedSurfaceStretch& stretch) {
+        mover.take(stretch);
+        return observer.progress(stretch.share);
+    };
+    if (threads == 1) return plan(move);
+    PlanningThread planning(plan);
+    while (const auto stretch = planning.next())
+        if (!move(*stretch)) return fail({.code = "PIPE0002", .text = "cancelled"});
+    return planning.result();
 }
 
 }  // namespace trunnion::pipeline

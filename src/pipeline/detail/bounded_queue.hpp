@@ -29,11 +29,13 @@ class BoundedQueue {
     std::optional<T> pop() {
         std::unique_lock lock(mutex_);
         filled_.wait(lock, [this] { return closed_ || !elements_.empty(); });
-        if (elements_.empty()) return std::nullopt;
-        std::optional<T> out(std::move(elements_.front()));
-        elements_.pop_front();
-        room_.notify_one();
-        return out;
+        return take();
+    }
+
+    /// An element if there is one. Does not wait for one.
+    std::optional<T> try_pop() {
+        const std::lock_guard lock(mutex_);
+        return take();
     }
 
     void close() {
@@ -44,6 +46,14 @@ class BoundedQueue {
     }
 
   private:
+    std::optional<T> take() {
+        if (elements_.empty()) return std::nullopt;
+        std::optional<T> out(std::move(elements_.front()));
+        elements_.pop_front();
+        room_.notify_one();
+        return out;
+    }
+
     std::size_t capacity_;
     std::mutex mutex_;
     std::condition_variable room_, filled_;

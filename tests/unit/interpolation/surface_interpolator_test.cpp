@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <new>
+#include <thread>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -56,13 +57,14 @@ struct Pass {
     BsplineSurface surface;
     SurfaceCurve curve;
     SurfacePath path;
+    path::AxisPath axes;
     motion::FeedProfile profile;
-    machine::RotaryPosition begin{};
 
     Pass(BsplineSurface on, const BsplineCurve& places, const SurfaceTool& tool, double feed_mm_s)
         : surface(std::move(on)),
           curve(SurfaceCurve::make(surface, geometry::Side::along, places, tool).value()),
-          path(surface_path(curve, kinematics, {.feed_mm_s = feed_mm_s}).value()) {
+          path(surface_path(curve, kinematics, {.feed_mm_s = feed_mm_s}).value()),
+          axes(path::AxisPath::make(path.tool_path, machine, {}).value()) {
         double time = 0;
         for (std::size_t i = 0; i < path.pieces.size(); ++i) {
             const double length = path.tool_path.pieces[i].length_mm;
@@ -73,7 +75,6 @@ struct Pass {
                                       .duration_s = length / feed_mm_s});
             time += length / feed_mm_s;
         }
-        begin = kinematics.rotary_for(curve.pose(curve.contact(curve.begin())).axis_in_workpiece).rotary_rad[0];
     }
 
     /// The parameter at a way from the start of a piece.
@@ -94,7 +95,7 @@ Pass smooth_pass(double feed_mm_s) {
 /// Largest distance of tips from the true pose at the way that the profile wants; axis angles in mm at 30 mm.
 double largest_error(const Pass& pass, StepOrder order, double period_s) {
     const SurfaceProfile profile(pass.profile);
-    SurfaceInterpolator interpolator(pass.curve, pass.path, profile, pass.begin, order);
+    SurfaceInterpolator interpolator(pass.curve, pass.path, pass.axes, profile, order);
     double largest = 0;
     for (double t = 0; t <= pass.profile.duration_s(); t += period_s) {
         const SurfaceInstant now = interpolator.at(t);
@@ -128,7 +129,7 @@ TEST(SurfaceInterpolator, goes_over_bridges_within_their_tolerance) {
 TEST(SurfaceInterpolator, moves_the_axes_to_the_pose_without_a_jump) {
     const Pass pass = smooth_pass(50);
     const SurfaceProfile profile(pass.profile);
-    SurfaceInterpolator interpolator(pass.curve, pass.path, profile, pass.begin, StepOrder::corrected);
+    SurfaceInterpolator interpolator(pass.curve, pass.path, pass.axes, profile, StepOrder::corrected);
     machine::AxisPosition before = interpolator.at(0).position;
     for (double t = 1e-3; t < pass.profile.duration_s(); t += 1e-3) {
         const SurfaceInstant now = interpolator.at(t);
@@ -143,7 +144,7 @@ TEST(SurfaceInterpolator, moves_the_axes_to_the_pose_without_a_jump) {
 TEST(SurfaceInterpolator, stands_at_the_end_and_says_where_its_plan_ends) {
     const Pass pass = smooth_pass(50);
     SurfaceProfile profile(pass.profile.pieces.size());
-    SurfaceInterpolator interpolator(pass.curve, pass.path, profile, pass.begin, StepOrder::corrected);
+    SurfaceInterpolator interpolator(pass.curve, pass.path, pass.axes, profile, StepOrder::corrected);
     EXPECT_EQ(interpolator.at(0).status, SurfaceStatus::starved);
     ASSERT_TRUE(profile.add(pass.profile.pieces[0]));
     EXPECT_EQ(interpolator.at(1e-3).status, SurfaceStatus::moving);
@@ -162,12 +163,45 @@ TEST(SurfaceInterpolator, stands_at_the_end_and_says_where_its_plan_ends) {
     EXPECT_LT((end.pose.tip_in_workpiece_mm - pose.tip_in_workpiece_mm).norm(), 1e-8);
 }
 
+/// Pieces come from another thread while the interpolator runs, so fast that it starves now and then. What it says of a
+/// time for which the plan was there is what it says of a plan that was complete before.
+TEST(SurfaceInterpolator, takes_over_pieces_from_another_thread) {
+    const Pass pass(patched_hills(60, 12), line(0.1, 0.2, 0.9, 0.7), {5, 0, 0, 0}, 50);
+    const SurfaceProfile complete(pass.profile);
+    SurfaceProfile growing(pass.profile.pieces.size());
+    std::jthread planner([&] {
+        for (const ProfilePiece& piece : pass.profile.pieces) {
+            EXPECT_TRUE(growing.add(piece));
+            std::this_thread::yield();
+        }
+        growing.finish();
+    });
+    SurfaceInterpolator behind(pass.curve, pass.path, pass.axes, complete, StepOrder::corrected);
+    SurfaceInterpolator beside(pass.curve, pass.path, pass.axes, growing, StepOrder::corrected);
+    const double end = pass.profile.duration_s();
+    std::size_t compared = 0;
+    for (double t = 0; t < end;) {
+        if (growing.size() == 0 || t > growing.planned_s()) {
+            std::this_thread::yield();
+            continue;
+        }
+        const SurfaceInstant wanted = behind.at(t), now = beside.at(t);
+        ASSERT_EQ(now.status, SurfaceStatus::moving);
+        ASSERT_EQ(now.position, wanted.position) << t;
+        ++compared;
+        t += 1e-3;
+    }
+    planner.join();
+    EXPECT_GT(compared, 500u);
+    EXPECT_EQ(beside.at(end + 1).status, SurfaceStatus::finished);
+}
+
 TEST(SurfaceInterpolator, allocates_nothing_while_it_runs) {
     for (const StepOrder order : {StepOrder::first, StepOrder::second, StepOrder::corrected}) {
         const Pass pass(patched_hills(60, 12), line(0.1, 0.2, 0.9, 0.7), {5, 1, 0.1, 0}, 50);
         const SurfaceProfile profile(pass.profile);
         const std::size_t before_all = allocations;
-        SurfaceInterpolator interpolator(pass.curve, pass.path, profile, pass.begin, order);
+        SurfaceInterpolator interpolator(pass.curve, pass.path, pass.axes, profile, order);
         double sum = 0;
         for (double t = 0; t < pass.profile.duration_s(); t += 1e-3) sum += interpolator.at(t).position[0];
         EXPECT_EQ(allocations, before_all) << sum;

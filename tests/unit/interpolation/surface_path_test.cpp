@@ -122,12 +122,48 @@ TEST(SurfacePath, refuses_edges_and_options_without_meaning) {
     for (const double feed : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
         EXPECT_EQ(surface_path(on_smooth, table.kinematics, {.feed_mm_s = feed}).error().code, "INTP0006");
     EXPECT_EQ(surface_path(on_smooth, table.kinematics, {.fit_tip_mm = 0}).error().code, "INTP0006");
+    for (const double pole_rad : {-1e-9, 3e-5, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_EQ(surface_path(on_smooth, table.kinematics, {.pole_rad = pole_rad}).error().code, "INTP0006");
     const SurfaceDirection folded{1, {0, 0, 1, 2, 2}}, straight{1, {0, 0, 1, 1}};
     const auto roof = BsplineSurface::make(folded, straight,
                                            {{0, 0, 0}, {0, 20, 0}, {20, 0, 5}, {20, 20, 5}, {40, 0, 0}, {40, 20, 0}})
                           .value();
     const auto over = SurfaceCurve::make(roof, geometry::Side::along, line(0.1, 0.5, 1.9, 0.5), flat_tool(5)).value();
     EXPECT_EQ(surface_path(over, table.kinematics, {}).error().code, "INTP0007");
+}
+
+/// Hills of half a micrometre.
+TEST(SurfacePath, refuses_a_curve_that_bends_within_a_micrometre) {
+    const Table table;
+    const auto tiny = hills(5e-4, 2e-4);
+    const auto curve = SurfaceCurve::make(tiny, geometry::Side::along, bow(), flat_tool(5)).value();
+    EXPECT_EQ(surface_path(curve, table.kinematics, {}).error().code, "INTP0008");
+}
+
+/// A patch of a cylinder of radius 60 about Y, falling along y: the upright axis passes the pole at that slope.
+SurfacePath over_hump(double slope, double corner_mm) {
+    const auto surface = geometry::polynomial_surface(
+        2, 1, {{-12, 0, -1.2}, {0, 6, -6 * slope}, {24, 0, 4.8}, {0, 0, 0}, {0, 0, -4.8}, {0, 0, 0}});
+    const auto curve =
+        SurfaceCurve::make(*surface, geometry::Side::along, line(0, 0.5, 1, 0.5), {5, corner_mm, 0, 0}).value();
+    return path_of(curve);
+}
+
+TEST(SurfacePath, has_a_joint_at_a_pole_exactly) {
+    for (const double slope : {0.0, 1e-13, 5e-6, 9e-6})
+        for (const double corner : {0.0, 5.0}) {
+            const SurfacePath path = over_hump(slope, corner);
+            const auto at_pole = std::ranges::count_if(path.tool_path.pieces, [](const path::PathPiece& piece) {
+                const auto at = path::evaluate(piece, 0);
+                return at[3].value() == 0 && at[4].value() == 0;
+            });
+            EXPECT_EQ(at_pole, 1) << slope;
+            EXPECT_LT(largest_jump(path), 1e-9);
+            EXPECT_NEAR(path.tool_path.bound.orientation_rad, slope, 1e-9);
+            EXPECT_LE(path.tool_path.bound.tip_mm, corner * slope + 1e-9);
+            EXPECT_NEAR(path.bridged_mm, 4, 0.01);
+        }
+    EXPECT_EQ(over_hump(1.1e-5, 5).bridged_mm, 0);
 }
 
 }  // namespace

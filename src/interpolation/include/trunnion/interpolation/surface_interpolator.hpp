@@ -7,6 +7,7 @@
 #include "trunnion/interpolation/surface_profile.hpp"
 #include "trunnion/interpolation/surface_step.hpp"
 #include "trunnion/machine/kinematics.hpp"
+#include "trunnion/path/axis_path.hpp"
 
 namespace trunnion::interpolation {
 
@@ -33,27 +34,28 @@ struct SurfaceInstant {
 /// The profile says which way of the contact is wanted at a time; the parameter follows by a step of the given order
 /// from the place of the period before (from the beginning of the path's piece where that is nearer), and what a step
 /// was off is made up for by the next one, so that errors do not add up: what is left is the error of one step. Rotary
-/// axes go on from where they stood a period before.
+/// axes go on from where they stood a period before. On bridges pose and axes are those of the axis path, which knows
+/// them beside a pole and at it.
 ///
 /// Keeps references to all it is made from, which must outlive it. Real-time safe: at() is noexcept, allocates nothing,
 /// takes no lock; at most three evaluations of the surface, one inverse kinematics, 30 Newton steps in the profile's
 /// time law, one step for every profile piece that was passed since the call before. Cost 1-2 µs for a bicubic.
 class SurfaceInterpolator {
   public:
-    /// `begin_rad`: rotary axes at the start of the pass (path::AxisPath::begin_position).
-    SurfaceInterpolator(const SurfaceCurve& curve, const SurfacePath& path, const SurfaceProfile& profile,
-                        const machine::RotaryPosition& begin_rad, StepOrder order) noexcept;
+    /// `axes`: of the path, as the profile was planned on it.
+    SurfaceInterpolator(const SurfaceCurve& curve, const SurfacePath& path, const path::AxisPath& axes,
+                        const SurfaceProfile& profile, StepOrder order) noexcept;
 
     /// State at `time_s` from the start of the pass. Times must not descend from call to call.
     SurfaceInstant at(double time_s) noexcept;
 
   private:
-    machine::Pose pose_on_surface(std::size_t path_piece, double way_mm) noexcept;
-    machine::Pose pose_on_bridge(std::size_t path_piece, double offset_mm) const noexcept;
-    void place_axes(SurfaceInstant& now) noexcept;
+    void place_on_surface(SurfaceInstant& now) noexcept;
+    void place_on_bridge(SurfaceInstant& now, double offset_mm) noexcept;
 
     const SurfaceCurve* curve_;
     const SurfacePath* path_;
+    const path::AxisPath* axes_;
     const SurfaceProfile* profile_;
     StepOrder order_;
     SurfaceContact contact_;         // of the last period on the surface

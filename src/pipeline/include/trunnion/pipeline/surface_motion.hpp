@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,13 +10,15 @@
 #include "trunnion/interpolation/surface_path.hpp"
 #include "trunnion/interpolation/surface_step.hpp"
 #include "trunnion/pipeline/plan.hpp"
+#include "trunnion/pipeline/surface.hpp"
 #include "trunnion/surfacing/plan_surface.hpp"
 #include "trunnion/verify/programmed_path.hpp"
 
 namespace trunnion::pipeline {
 
 struct SurfaceMotionOptions {
-    PlanOptions plan;  ///< period, limits, and how links are rounded; its feeds, overrides and worth are not used
+    /// Period, limits, threads, and how links are rounded; its feeds, overrides and worth are not used.
+    PlanOptions plan;
     interpolation::StepOrder order = interpolation::StepOrder::corrected;
     interpolation::FeedPoint feed_point = interpolation::FeedPoint::contact;
     /// How far a pass may be moved sideways on the surface so that it is a C⁴ curve of few pieces.
@@ -29,26 +32,30 @@ struct SurfaceMotionSummary {
     double pass_time_s = 0, pass_way_mm = 0;  ///< of the passes; way of the contact
     double constant_feed_share = 0;           ///< of the passes' time within 0.1 % of the programmed feed
     double fit_tip_mm = 0, fit_axis_rad = 0;  ///< polynomials that the feed was planned on, from the true poses
-    double bridge_tip_mm = 0, bridge_axis_rad = 0, bridged_mm = 0;  ///< over knots of the surface
+    double bridge_tip_mm = 0, bridge_axis_rad = 0, bridged_mm = 0;  ///< over knots of the surface and poles
     /// Seconds of work: from the call until the first setpoints were ready; and by how much, had the motion begun then,
     /// every stretch was planned before it was due, the least of all.
     double first_ready_s = 0, least_ahead_s = 0;
+    std::optional<SurfacePartCheck> part;  ///< none: not looked at; whoever moves sets it (MotionInPart)
 
-    bool usable() const { return motion.usable(); }
+    bool usable() const { return motion.usable() && !(part && part->in_part); }
     std::string report() const;
 };
 std::string to_json(const SurfaceMotionSummary& summary);
 
 /// Moves a tool over a surface plan: every pass on the surface itself, by interpolation::SurfaceInterpolator, from rest
 /// to rest; the links between as the moves of the plan's program, rounded and planned as plan() does. The feed is
-/// lowered ahead of places where velocity, acceleration or jerk of an axis would exceed its limit.
+/// lowered ahead of places where velocity, acceleration or jerk of an axis would exceed its limit. Where the tool axis
+/// passes a pole within 1e-5 rad, it is led through it (interpolation::surface_path).
 ///
 /// `faces`: those that were planned (Contact::face). The setup's [tool] is the tool. Setpoints of a stretch come as
-/// soon as it is planned; work and motion go on pass by pass, so that memory follows the longest pass.
+/// soon as it is planned; work and motion go on pass by pass, so that memory follows the longest pass; with two threads
+/// planning runs at most 64 stretches ahead on one of its own, and all that comes out is the same but for the times.
 ///
-/// Errors: PIPE0001 a period or tolerance that is not above 0; PIPE0130 the program of the plan does not go through the
-/// poses of its passes; PIPE0131 an axis would have to turn where a pass begins (at the pole); PIPE0132 the poses of a
-/// pass have not the lead and tilt of the options; PIPE0002 cancelled; those of interpolation (INTP), path and feed.
+/// Errors: PIPE0001 a period or tolerance that is not above 0, threads neither 1 nor 2; PIPE0130 the program of the
+/// plan does not go through the poses of its passes; PIPE0131 an axis would have to turn where a pass begins (at the
+/// pole); PIPE0132 the poses of a pass have not the lead and tilt of the options; PIPE0002 cancelled; those of
+/// interpolation (INTP), path and feed.
 Result<SurfaceMotionSummary> move_surface(const surfacing::SurfacePlan& plan, std::span<const surfacing::Face> faces,
                                           const surfacing::SurfaceOptions& surface, const machine::Machine& machine,
                                           const machine::Setup& setup, const SurfaceMotionOptions& options,
@@ -63,6 +70,11 @@ Result<std::vector<verify::ProgrammedPose>> programmed_poses(const surfacing::Su
 /// Lin & Koren's system end to end: passes from the border of least v on, each laid only when the motion over the one
 /// before is planned, offset from it by the least interval that Eq. 2 gives along it (normal radii). One whole face;
 /// strategy, feed angle and borders of the options are not used; the last pass is the border of largest v.
+///
+/// Passes are laid and planned on a thread of its own, at most 64 stretches ahead, while the caller's thread
+/// interpolates: an observer that takes its time over every setpoint, as a control does, has the next ones ready
+/// (`least_ahead_s`). The tool is held against the face where it touches it, against nothing else of the part: that
+/// MotionInPart tells afterwards.
 ///
 /// Branch and winding of the rotary axes are chosen pass by pass. Errors: as above; PIPE0133 not a whole face, or more
 /// than 20 000 passes; SURF0202, SURF0203 as surfacing::plan_surface.
