@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the pictures of docs/theory: of feed-planning.md from what `trunnion plan` writes, of corner-rounding.md from what
-examples/03_corner writes.
+"""Draws the pictures of docs/theory: of feed-planning.md, smoothing.md, kinematics.md and checking.md from formulas and from what
+`trunnion plan` and `trunnion check` write, of corner-rounding.md from what examples/03_corner writes.
 
     scripts/theory_pictures.py [--trunnion build/release/apps/trunnion/trunnion]
                                [--corner build/release/examples/03_corner/example_corner] [--output docs/theory/pictures]
@@ -8,6 +8,7 @@ examples/03_corner writes.
 Needs matplotlib: `apt-get install python3-matplotlib`, and then /usr/bin/python3."""
 import argparse
 import itertools
+import json
 import pathlib
 import re
 import subprocess
@@ -40,6 +41,13 @@ LINE_PROGRAM = f'G21 G90 G94\nG0 X0 Y0 Z0\nG1 X{LINE_LENGTH} F{60 * LINE_SPEED}\
 LINE_MACHINE = 'name = "line"\nchain = "X Y Z"\n' + ''.join(
     f'[axes.{axis}]\nrange = ["-400 mm", "400 mm"]\nmax_velocity = "{0.06 * LINE_SPEED} m/min"\n'
     f'max_acceleration = "{LINE_ACCELERATION / 1000} m/s^2"\nmax_jerk = "{LINE_JERK / 1000} m/s^3"\n' for axis in 'XYZ')
+
+
+MIXED_RADIUS, MIXED_CHORD, MIXED_TOLERANCE = 15, 0.3, 0.02  # mm: straight, a dense quarter circle, a corner, straight
+CONE_LEAN, CONE_RADIUS, CONE_TURN, CONE_STARTS = 20, 25, 320, (10, 200, 30, 100, 300)  # deg, mm, deg, deg
+C_RANGE = 400  # deg to either side
+CIRCLE_RADIUS, CIRCLE_SPEED, CIRCLE_PERIODS = 20, 200, (1, 2, 4, 8, 16)  # mm, mm/s, ms
+PASS_LENGTH, PASS_APART, PASS_OFF = 10, 0.03, 0.02  # mm
 
 
 def read_table(file):
@@ -233,6 +241,163 @@ def draw_rest(stretch, file):
     finish(figure, file)
 
 
+def draw_smoothing_kernels(file):
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8, 3.4))
+    t = np.linspace(-1, 1, 401)
+    s = t * t
+    for name, colour, density, even in (
+            ('curve', BLUE, 105 / 64 * (1 - s) ** 2 * (1 - 3 * s), np.array([35, 420, -350, 196, -45]) / 512),
+            ('corner', RED, 35 / 32 * (1 - s) ** 3, np.array([35, 140, -70, 28, -5]) / 256)):
+        left.plot(t, density, color=colour, label=name)
+        right.plot(t, np.polynomial.Polynomial(even)(s) - np.abs(t) / 2, color=colour)
+    for plot, what in ((left, 'k(t)'), (right, 'g(t)')):
+        plot.axhline(0, color=GREY, linewidth=0.8, linestyle=':')
+        plot.set(xlabel='t', ylabel=what)
+    left.legend(loc='upper right', frameon=False)
+    finish(figure, file)
+
+
+def mixed_path():
+    """Vertices: 20 mm straight, a quarter circle in short chords with three decimals, a corner, 12 mm straight."""
+    quarter = np.pi / 2
+    angles = np.linspace(0, quarter, int(MIXED_RADIUS * quarter / MIXED_CHORD) + 1)[1:]
+    arc = np.round([(20 + MIXED_RADIUS * np.sin(a), MIXED_RADIUS * (1 - np.cos(a))) for a in angles], 3)
+    return np.vstack([(0, 0), (20, 0), arc, arc[-1] - (12, 0)])
+
+
+def draw_smoothing_course(trunnion, file):
+    vertices = mixed_path()
+    with tempfile.TemporaryDirectory() as folder:
+        program, machine = pathlib.Path(folder) / 'mixed.ngc', pathlib.Path(folder) / 'line.toml'
+        program.write_text('G21 G90 G94\nG0 X0 Y0 Z0\n' +
+                           ''.join(f'G1 X{x:.3f} Y{y:.3f} F6000\n' for x, y in vertices[1:]) + 'M2\n')
+        machine.write_text(LINE_MACHINE)
+        _, path = plan(trunnion, program, machine, '--tip-tolerance', f'{MIXED_TOLERANCE}mm')
+    p = path['p_mm']
+    at_vertex = np.append(0, np.cumsum(np.hypot(*np.diff(vertices, axis=0).T)))
+    off = [path[f'tip_{axis}_mm'] - np.interp(p, at_vertex, vertices[:, k]) for k, axis in enumerate('xy')]
+    figure, (top, bottom) = pyplot.subplots(2, 1, figsize=(8, 5), sharex=True)
+    top.plot(p, 1000 * np.hypot(*off), color=BLUE)
+    top.axhline(1000 * MIXED_TOLERANCE, color=GREY, linewidth=0.8, linestyle=':')
+    top.set(ylabel='off the program\nat the same p in µm', ylim=(0, None))
+    bottom.plot(p, np.hypot(path['X_pp'], path['Y_pp']), color=BLUE)
+    bottom.axhline(1 / MIXED_RADIUS, color=GREY, linewidth=0.8, linestyle=':')
+    bottom.set(ylabel='curvature in 1/mm', xlabel='p in mm', ylim=(0, 2.5 / MIXED_RADIUS))
+    finish(figure, file)
+
+
+def draw_kinematics_cones(file):
+    """β over ψ, and how fast the second axis is where the tool leans over at a rate of 1."""
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(8, 3.6))
+    psi = np.radians(np.linspace(-180, 180, 721))
+    for first, last, colour, style in ((90, 90, BLUE, '-'), (45, 45, RED, '--'), (90, 45, COLOUR['Z'], '-.')):
+        e1, e2 = np.radians((first, last))
+        beta = np.arccos(np.clip(np.cos(e1) * np.cos(e2) + np.sin(e1) * np.sin(e2) * np.cos(psi), -1, 1))
+        left.plot(np.degrees(psi), np.degrees(beta), color=colour, linestyle=style, label=f'{first}°, {last}°')
+        inside = (psi > 0) & (psi < np.pi - 1e-9)
+        share = np.sin(beta[inside]) / (np.sin(e1) * np.sin(e2) * np.sin(psi[inside]))
+        right.plot(np.degrees(beta[inside]), share, color=colour, linestyle=style)
+    left.set(xlabel='ψ in degrees', ylabel='β in degrees', xticks=range(-180, 181, 90), yticks=range(0, 181, 45))
+    left.legend(title='e₁, e₂', loc='lower right', frameon=False, fontsize=10)
+    right.set(xlabel='β in degrees', ylabel='dψ/dβ', xticks=range(0, 181, 45), ylim=(0, 6))
+    finish(figure, file)
+
+
+def cone_program():
+    """Cuts round a cone, each beginning anew behind a retract."""
+    lean, out = np.radians(CONE_LEAN), ['PARTNO/CONES', 'UNITS/MM', 'MULTAX/ON', 'LOADTL/1']
+    for start in CONE_STARTS:
+        poses = [(CONE_RADIUS * np.cos(a), CONE_RADIUS * np.sin(a), np.sin(lean) * np.cos(a), np.sin(lean) * np.sin(a))
+                 for a in np.radians(start + np.arange(0, CONE_TURN + 1, 5))]
+        goto = ['GOTO/{:.6f},{:.6f},{{}},{:.9f},{:.9f},{:.9f}'.format(*pose, np.cos(lean)) for pose in poses]
+        out += ['RAPID', goto[0].format(40), 'FEDRAT/3000.0,MMPM', *(line.format(2) for line in goto)]
+        out += ['RAPID', goto[-1].format(40)]
+    return '\n'.join([*out, 'FINI', ''])
+
+
+def draw_kinematics_winding(trunnion, file):
+    with tempfile.TemporaryDirectory() as folder:
+        program, machine, setup = (pathlib.Path(folder) / name for name in ('cones.cls', 'limited.toml', 'setup.toml'))
+        program.write_text(cone_program())
+        shipped = (ROOT / f'data/machines/{MACHINE}.toml').read_text()
+        machine.write_text(shipped.replace('range = "endless"', f'range = ["-{C_RANGE} deg", "{C_RANGE} deg"]'))
+        setup.write_text('[tools.1]\nkind = "ball"\ndiameter = "8 mm"\nlength = "0 mm"\n')
+        setpoints, _ = plan(trunnion, program, machine, '--setup', setup, '--period', '10ms')
+    figure, (top, bottom) = pyplot.subplots(2, 1, figsize=(8, 4.6), sharex=True, gridspec_kw={'height_ratios': [3, 1]})
+    for plot, axis in ((top, 'C'), (bottom, 'A')):
+        plot.plot(setpoints['t_s'], setpoints[f'{axis}_deg'], color=COLOUR[axis])
+        plot.set(ylabel=f'{axis} in degrees')
+    for border in (-C_RANGE, C_RANGE):
+        top.axhline(border, color=GREY, linewidth=0.8, linestyle=':')
+    top.set(yticks=range(-360, 361, 180))
+    bottom.set(xlabel='time in s', yticks=(-20, 0, 20))
+    finish(figure, file)
+
+
+def in_order(squares):
+    """The column of every row, never going back, with the least sum."""
+    came_from, cost = [], squares[0]
+    for row in squares[1:]:
+        best = np.minimum.accumulate(cost)
+        came_from.append(np.maximum.accumulate(np.where(cost == best, np.arange(len(cost)), 0)))
+        cost = best + row
+    out = [int(np.argmin(cost))]
+    for step in reversed(came_from):
+        out.append(int(step[out[-1]]))
+    return np.array(out[::-1])
+
+
+def draw_checking_order(file):
+    corners = np.array([(0, 0), (PASS_LENGTH, 0), (PASS_LENGTH, PASS_APART), (0, PASS_APART)])
+    way = np.append(0, np.cumsum(np.hypot(*np.diff(corners, axis=0).T)))
+    places = np.arange(0, way[-1], 0.02)
+    path = np.stack([np.interp(places, way, corners[:, k]) for k in range(2)], axis=1)
+    rows = np.linspace(0, PASS_LENGTH, 101)
+    there = np.stack([rows, np.where(rows > 1, PASS_OFF, PASS_OFF * rows)], axis=1)
+    motion = np.vstack([there, np.stack([rows[::-1], np.full_like(rows, PASS_APART)], axis=1)])
+    squares = ((motion[:, None] - path[None]) ** 2).sum(axis=2)
+    figure, (top, bottom) = pyplot.subplots(2, 1, figsize=(8, 5), gridspec_kw={'height_ratios': [2, 3]})
+    top.plot(*corners.T, color=GREY, label='program')
+    top.plot(*motion.T, color=BLUE, linewidth=1, marker='.', markersize=3, label='motion')
+    top.set(xlabel='x in mm', ylabel='y in mm')
+    top.legend(loc='center', ncols=2, frameon=False)
+    bottom.plot(places[np.argmin(squares, axis=1)], color=RED, linestyle='--', label='nearest place')
+    bottom.plot(places[in_order(squares)], color=BLUE, label='by order')
+    bottom.set(xlabel='row', ylabel='way of its place in mm')
+    bottom.legend(loc='lower right', frameon=False)
+    finish(figure, file)
+
+
+def pose_deviation(trunnion, folder, period_ms):
+    """Of the poses of a full circle from its motion, by `trunnion check`, mm."""
+    program, machine, setpoints, verdict = (folder / name for name in ('circle.ngc', 'line.toml', 'circle.csv', 'v.json'))
+    program.write_text(f'G21 G90 G94 G17\nG0 X{CIRCLE_RADIUS} Y0 Z0\n'
+                       f'G3 X{CIRCLE_RADIUS} Y0 I-{CIRCLE_RADIUS} J0 F{60 * CIRCLE_SPEED}\nM2\n')
+    machine.write_text(LINE_MACHINE.replace(f'{0.06 * LINE_SPEED} m/min', '30 m/min')
+                       .replace(f'{LINE_ACCELERATION / 1000} m/s', '5 m/s').replace(f'{LINE_JERK / 1000} m/s', '100 m/s'))
+    options = ['-m', machine, '--quiet']
+    subprocess.run([trunnion, 'plan', program, *options, '--rounding', 'none', '--period', f'{period_ms}ms', '-o', setpoints],
+                   stdout=subprocess.DEVNULL, check=True)
+    subprocess.run([trunnion, 'check', setpoints, '--against', program, *options, '--summary', verdict],
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # breaks the tolerance where periods are long
+    return json.loads(verdict.read_text())['tip_to_poses_mm']
+
+
+def draw_checking_sagitta(trunnion, file):
+    periods = np.array(CIRCLE_PERIODS)
+    with tempfile.TemporaryDirectory() as folder:
+        seen = [pose_deviation(trunnion, pathlib.Path(folder), period) for period in CIRCLE_PERIODS]
+    figure, plot = pyplot.subplots(figsize=(8, 3.2))
+    plot.loglog(periods, 1000 * (CIRCLE_SPEED * periods / 1000) ** 2 / (8 * CIRCLE_RADIUS), color=GREY, linestyle='--',
+                label='(vτ)²/8R')
+    plot.loglog(periods, 1000 * np.array(seen), color=BLUE, marker='o', linestyle='none', label='poses off the motion')
+    plot.set(xlabel='period in ms', ylabel='µm')
+    plot.set_xticks(periods, [str(period) for period in periods])
+    plot.minorticks_off()
+    plot.legend(frameon=False)
+    finish(figure, file)
+
+
 def corner_tables(program):
     """What examples/03_corner writes, by the name of the table."""
     if not program.exists():
@@ -343,6 +508,12 @@ def main():
     draw_axes(stretch, setpoints, (begin, end), args.output / 'axes.svg')
     draw_calm(args.trunnion, args.output / 'calm.svg')
     draw_rest(stretch, args.output / 'rest.svg')
+    draw_smoothing_kernels(args.output / 'smoothing-kernels.svg')
+    draw_smoothing_course(args.trunnion, args.output / 'smoothing-course.svg')
+    draw_kinematics_cones(args.output / 'kinematics-cones.svg')
+    draw_kinematics_winding(args.trunnion, args.output / 'kinematics-winding.svg')
+    draw_checking_order(args.output / 'checking-order.svg')
+    draw_checking_sagitta(args.trunnion, args.output / 'checking-sagitta.svg')
     tables = corner_tables(args.corner)
     for draw in (draw_corner_curves, draw_corner_link, draw_corner_way, draw_corner_sensitivity, draw_corner_ratio):
         draw(tables, args.output / (draw.__name__.removeprefix('draw_').replace('_', '-') + '.svg'))
