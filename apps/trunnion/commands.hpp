@@ -9,6 +9,8 @@ enum ExitStatus : int { done = 0, not_usable = 1, bad_input = 2, own_fault = 3, 
 
 /// Each adds one subcommand; when it is called it leaves its exit status in `status`.
 void add_plan_command(CLI::App& app, int& status);
+void add_play_command(CLI::App& app, int& status);
+void add_serve_command(CLI::App& app, int& status);
 void add_check_command(CLI::App& app, int& status);
 void add_predict_command(CLI::App& app, int& status);
 void add_convert_command(CLI::App& app, int& status);

@@ -20,15 +20,23 @@
 
 namespace trunnion::app {
 
-void JobOptions::add_to(CLI::App& command) {
+void JobOptions::add_machine_to(CLI::App& command) {
     command.add_option("-m,--machine", machine, "shipped machine by name, or a machine file");
+}
+
+void JobOptions::add_tolerances_to(CLI::App& command) {
+    command.add_option("--tip-tolerance", tip_tolerance, "of the controlled point")->capture_default_str();
+    command.add_option("--orientation-tolerance", orientation_tolerance, "of the tool axis")->capture_default_str();
+}
+
+void JobOptions::add_to(CLI::App& command) {
+    add_machine_to(command);
     command.add_option("--setup", setup, "setup file: workpiece, tools, offsets");
     command.add_option("--units", units, "overrides the unit that the program states")
         ->check(CLI::IsMember({"mm", "inch"}));
     command.add_option("--dialect", dialect, "instead of recognising it by content")
         ->check(CLI::IsMember(dialect_names));
-    command.add_option("--tip-tolerance", tip_tolerance, "of the controlled point")->capture_default_str();
-    command.add_option("--orientation-tolerance", orientation_tolerance, "of the tool axis")->capture_default_str();
+    add_tolerances_to(command);
     command.add_option("--flank-tolerance", flank_tolerance, "of the point at the flank height, instead of an angle");
     command.add_option("--flank-height", flank_height, "how far up the tool that point is")->capture_default_str();
     command.add_flag("-q,--quiet", quiet, "no warnings, no progress");

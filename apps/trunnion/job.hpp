@@ -27,6 +27,8 @@ struct JobOptions {
     double calm = 0.001;
     bool worth = false, quiet = false;
 
+    void add_machine_to(CLI::App& command);
+    void add_tolerances_to(CLI::App& command);
     /// Options that plan, check and their kin share.
     void add_to(CLI::App& command);
     /// Options of planning alone.

@@ -29,12 +29,14 @@ double fastest_rate(const Interval& interval, const LimitSet& limits) {
 
 }  // namespace
 
-LivePlanner::State::State(const path::AxisPath& path, const FeedOptions& options, double period_s)
+LivePlanner::State::State(const path::AxisPath& path, const FeedOptions& options, double period_s,
+                          double longest_plan_s)
     : path_(path),
       sampler_(path, options),
       limits_(kept_back_from(sampler_.limits(), kept_back)),
       calm_(options.calm),
       period_s_(period_s),
+      longest_plan_s_(longest_plan_s),
       base_(std::max(options.window, smallest_window)),
       window_(base_),
       grid_(sampler_) {}

@@ -12,7 +12,6 @@ namespace {
 
 using path::PathPlace;
 
-constexpr int periods_ahead = 2;
 constexpr double largest_override = 2, largest_rapid_override = 1;
 
 Diagnostic problem(std::string code, std::string text, double value, std::string limit) {
@@ -39,14 +38,27 @@ void LivePlanner::State::set_single_block(bool on) {
 Result<LiveState> LivePlanner::State::tick() {
     if (auto done = follow(); !done) return fail(done.error());
     ++ticks_;
-    return present();
+    return ahead(0);
 }
 
-LiveState LivePlanner::State::present() const {
+std::size_t LivePlanner::State::periods_left() const {
+    if (steps_.empty()) return 0;
+    auto out = static_cast<std::size_t>(std::max((end_s_ - present_s()) / period_s_, 0.0));
+    while (static_cast<double>(ticks_ + out) * period_s_ < end_s_) ++out;
+    return out;
+}
+
+void LivePlanner::State::stand_at(PathPlace place) {
+    steps_.clear();
+    put_at_ = place;
+    end_s_ = present_s();
+    waits_ = false;
+}
+
+LiveState LivePlanner::State::state_at(double now) const {
     LiveState out;
-    const double now = present_s();
     if (steps_.empty() || now >= end_s_ || now < steps_.front().piece.begin_s) {
-        const bool started = !steps_.empty() && now >= end_s_;
+        const bool started = steps_.empty() ? put_at_.has_value() : now >= end_s_;
         out.place = started || steps_.empty() ? standing_place() : steps_.front().cell.begin;
         out.status = started && stands_at_end() ? LiveStatus::finished : LiveStatus::holding;
     } else {
@@ -90,7 +102,7 @@ Result<void> LivePlanner::State::follow() {
 
 /// From standstill there is always a plan, unless the path itself is broken.
 Result<void> LivePlanner::State::restart(double begin_s) {
-    if (wish().stand || waits_ || (!steps_.empty() && stands_at_end())) return {};
+    if (wish().stand || waits_ || ((!steps_.empty() || put_at_) && stands_at_end())) return {};
     Branch branch;
     branch.place = standing_place();
     branch.begin_s = begin_s;
@@ -116,11 +128,12 @@ LivePlanner::~LivePlanner() = default;
 LivePlanner::LivePlanner(LivePlanner&&) noexcept = default;
 LivePlanner& LivePlanner::operator=(LivePlanner&&) noexcept = default;
 
-Result<LivePlanner> LivePlanner::make(const path::AxisPath& path, const FeedOptions& options, double period_s) {
+Result<LivePlanner> LivePlanner::make(const path::AxisPath& path, const FeedOptions& options, double period_s,
+                                      double longest_plan_s) {
     if (!(period_s > 0 && std::isfinite(period_s)))
         return fail(problem("FEED0011", "the control's period must be positive", period_s, "0 s"));
     if (const auto stream = IntervalStream::make(path, options); !stream) return fail(stream.error());
-    auto state = std::make_unique<State>(path, options, period_s);
+    auto state = std::make_unique<State>(path, options, period_s, longest_plan_s);
     if (auto ready = state->prepare(); !ready) return fail(ready.error());
     return LivePlanner(std::move(state));
 }
@@ -148,6 +161,18 @@ void LivePlanner::set_single_block(bool on) {
 }
 Result<LiveState> LivePlanner::tick() {
     return state_->tick();
+}
+std::size_t LivePlanner::plans() const {
+    return state_->plans();
+}
+std::size_t LivePlanner::periods_left() const {
+    return state_->periods_left();
+}
+LiveState LivePlanner::ahead(std::size_t periods) const {
+    return state_->ahead(periods);
+}
+void LivePlanner::stand_at(path::PathPlace place) {
+    state_->stand_at(place);
 }
 
 }  // namespace trunnion::feed

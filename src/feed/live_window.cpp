@@ -17,6 +17,7 @@ constexpr double share_of_change = 0.19;  // of x / x′
 constexpr double arc_share_of_course = 0.01, arc_share_of_stop = 0.03;
 constexpr double at_border = 1e-6;  // of a cell
 constexpr double start_room = 1e-4;
+constexpr double share_of_longest = 0.8;  // of the time, up to the place of a standstill that ends a long plan
 // Rounds of tightening cost time, and from a moving start they do not always end: most need none from here.
 constexpr double command_tightening = 1.001;
 
@@ -27,7 +28,7 @@ double square(double v) {
 }  // namespace
 
 PathPlace LivePlanner::State::standing_place() const {
-    if (steps_.empty()) return grid_[0].begin;
+    if (steps_.empty()) return put_at_ ? *put_at_ : grid_[0].begin;
     const Cell& last = steps_.back().cell;
     return {last.begin.piece, last.begin.offset_mm + last.length_mm};
 }
@@ -151,9 +152,48 @@ LimitSet LivePlanner::State::room_for(MovingStart start, const PathSample& here)
     return out;
 }
 
+/// The course to a standstill on the way of a plan that lasts too long.
+Course LivePlanner::State::nearer(const Branch& branch, Course way, const std::vector<Step>& steps) const {
+    const double until_s = branch.begin_s + share_of_longest * longest_plan_s_;
+    const auto behind = std::upper_bound(steps.begin() + 1, steps.end(), until_s,
+                                         [](double t, const Step& step) { return t < step.piece.begin_s; });
+    const Step& step = *(behind - 1);
+    way.to = {step.cell.begin.piece,
+              step.cell.begin.offset_mm + motion::distance_at(step.piece, until_s - step.piece.begin_s)};
+    way.exact_stop = true;
+    way.end.push_back({0, 0, rest_growth});
+    if (way.focus && grid_.distance_mm(way.focus->place) >= grid_.distance_mm(way.to)) way.focus.reset();
+    way.largest_arc_mm =
+        std::min(way.largest_arc_mm, arc_share_of_course * (grid_.distance_mm(way.to) - grid_.distance_mm(way.from)));
+    return way;
+}
+
 /// Plans a window and takes the plan over if it is safe.
 Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) {
     const Course way = course(branch, trial);
+    auto steps = solve(branch, trial, way);
+    if (!steps) return fail(steps.error());
+    if (steps->empty()) return false;
+    ends_at_goal_ = way.exact_stop && !trial.stand;
+    if (end_of(*steps) - branch.begin_s > longest_plan_s_) {
+        auto shorter = solve(branch, trial, nearer(branch, way, *steps));
+        if (!shorter) return fail(shorter.error());
+        if (!shorter->empty()) {
+            steps = std::move(shorter);
+            ends_at_goal_ = false;
+        }
+    }
+    waits_ = ends_at_goal_ && single_block_;
+    planned_ = wish();
+    next_trial_ = ticks_;
+    if (single_block_ && !trial.stand) block_goal_ = trial.goal;
+    adopt(branch, std::move(*steps));
+    return true;
+}
+
+/// The steps along a course, with their times; none where no safe plan was found.
+Result<std::vector<LivePlanner::State::Step>> LivePlanner::State::solve(const Branch& branch, const Trial& trial,
+                                                                        const Course& way) {
     const std::vector<Cell> cells = grid_.cells(way);
     std::vector<Step> steps(cells.size());
     std::vector<Interval> intervals;
@@ -183,25 +223,21 @@ Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) 
     window.known_middle = known_middle_;
     if (!way.exact_stop) window.far_from = cells.size() / 2;
     const WindowPlan made = solver_.solve(window);
-    if (!made.safe) return false;
-    for (std::size_t k = 0; k < cells.size(); ++k) steps[k].piece = made.pieces[k];
-    ends_at_goal_ = way.exact_stop && !trial.stand;
-    waits_ = ends_at_goal_ && single_block_;
-    planned_ = wish();
-    next_trial_ = ticks_;
-    if (single_block_ && !trial.stand) block_goal_ = trial.goal;
-    adopt(branch, std::move(steps));
-    return true;
+    if (!made.safe) return std::vector<Step>();
+    double time = branch.begin_s;
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+        ProfilePiece& piece = steps[k].piece = made.pieces[k];
+        piece.begin_s = time;
+        piece.duration_s = motion::time_to(piece, piece.length_mm);
+        time += piece.duration_s;
+    }
+    return steps;
 }
 
 void LivePlanner::State::adopt(const Branch& branch, std::vector<Step> steps) {
-    double time = branch.begin_s;
-    for (Step& step : steps) {
-        step.piece.begin_s = time;
-        step.piece.duration_s = motion::time_to(step.piece, step.piece.length_mm);
-        time += step.piece.duration_s;
-    }
-    end_s_ = time;
+    ++plans_;
+    put_at_.reset();
+    end_s_ = end_of(steps);
     const std::size_t present = steps_.empty() || branch.at_rest ? 0 : step_at(present_s());
     steps_.resize(branch.at_rest ? 0 : branch.kept);
     steps_.erase(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(std::min(present, steps_.size())));

@@ -18,9 +18,13 @@ namespace trunnion::feed {
 /// plans a window from where the plan in hand is left and takes it over.
 class LivePlanner::State {
   public:
-    State(const path::AxisPath& path, const FeedOptions& options, double period_s);
+    using PathPlace = path::PathPlace;
+
+    State(const path::AxisPath& path, const FeedOptions& options, double period_s, double longest_plan_s);
 
     Result<void> prepare() { return grid_.lay(); }
+    double period_s() const { return period_s_; }
+    double longest_plan_s() const { return longest_plan_s_; }
     void set_override(bool rapid, double factor) {
         if (rapid == path_.tool_path().rapid) override_ = factor;
     }
@@ -28,11 +32,17 @@ class LivePlanner::State {
     void resume();
     void set_single_block(bool on);
     Result<LiveState> tick();
+    std::size_t plans() const { return plans_; }
+    std::size_t periods_left() const;
+    LiveState ahead(std::size_t periods) const { return state_at(static_cast<double>(ticks_ + periods) * period_s_); }
+    void stand_at(PathPlace place);
+    /// Takes over what another one does, on a path that is the same here; false: it cannot.
+    Result<bool> go_on_from(const State& other, std::size_t pieces_behind, std::size_t blocks_behind);
 
   private:
-    using PathPlace = path::PathPlace;
     using ProfilePiece = motion::ProfilePiece;
     static constexpr double same_place_mm = 1e-9;
+    static constexpr int periods_ahead = 2;  // a command counts from there on
     /// Of the limits of velocity, acceleration and feed plans leave a trifle, for `room_for`.
     static constexpr double kept_back = 1 - 4e-4;
     /// A braking that breaks limits by more has led to a dead end.
@@ -52,6 +62,9 @@ class LivePlanner::State {
         double factor = 1;
     };
     /// Where a new plan leaves the one in hand.
+    static double end_of(const std::vector<Step>& steps) {
+        return steps.back().piece.begin_s + steps.back().piece.duration_s;
+    }
     struct Branch {
         PathPlace place;
         double begin_s = 0;
@@ -90,7 +103,7 @@ class LivePlanner::State {
     PathPlace standing_place() const;
     double end_mm() const { return grid_.distance_mm(standing_place()); }
     bool stands_at_end() const;
-    LiveState present() const;
+    LiveState state_at(double now) const;
     std::size_t block_at(double p_mm) const;
     PathPlace block_end(std::size_t block) const;
 
@@ -119,6 +132,8 @@ class LivePlanner::State {
     bool is_exact(const Branch& branch, PathPlace goal) const;
     Course course(const Branch& branch, const Trial& trial) const;
     Result<bool> plan(const Branch& branch, const Trial& trial);
+    Result<std::vector<Step>> solve(const Branch& branch, const Trial& trial, const Course& way);
+    Course nearer(const Branch& branch, Course way, const std::vector<Step>& steps) const;
     void make_guess(const Branch& branch, const Guess& guess, std::span<const Cell> cells);
     LimitSet room_for(MovingStart start, const PathSample& here) const;
     void adopt(const Branch& branch, std::vector<Step> steps);
@@ -127,14 +142,14 @@ class LivePlanner::State {
     const path::AxisPath& path_;
     Sampler sampler_;
     LimitSet limits_;
-    double calm_, period_s_;
+    double calm_, period_s_, longest_plan_s_;
     std::size_t base_, window_;
     LiveGrid grid_;
     WindowSolver solver_;
 
     double override_ = 1;
     bool held_ = false, single_block_ = false;
-    std::size_t ticks_ = 0, next_trial_ = 0;
+    std::size_t ticks_ = 0, next_trial_ = 0, plans_ = 0;
     Wish planned_;                         // what the plan in hand is for
     std::optional<PathPlace> block_goal_;  // where a single block ends
     bool ends_at_goal_ = false;            // the plan in hand; else at a throw-away stop or a hold
@@ -142,6 +157,7 @@ class LivePlanner::State {
     std::vector<Step> steps_;              // the plan in hand
     std::size_t border_ = 0;               // from this step on the plan may be replaced by a longer one
     double end_s_ = 0;
+    std::optional<PathPlace> put_at_;  // where it stands without a plan, if not at the begin
     std::vector<double> known_middle_;
     int probes_left_ = 0;         // of a stop
     double out_of_reach_mm_ = 0;  // a place too near to stop at

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include "trunnion/base/result.hpp"
 #include "trunnion/feed/plan_stretch.hpp"
@@ -41,8 +43,11 @@ struct LiveState {
 class LivePlanner {
   public:
     /// Stands at the begin of the stretch with overrides 1, no hold, no single block: the first tick() begins to move.
-    /// The path must outlive it. Errors: those of IntervalStream, FEED0011 the period is not positive.
-    static Result<LivePlanner> make(const path::AxisPath& path, const FeedOptions& options, double period_s);
+    /// `longest_plan_s`: a plan that lasts longer is made anew to a standstill on its way, so that it does not; where
+    /// no such plan is found, which a time far above that of a stop prevents, it stays as long as it is. The path must
+    /// outlive it. Errors: those of IntervalStream, FEED0011 the period is not positive.
+    static Result<LivePlanner> make(const path::AxisPath& path, const FeedOptions& options, double period_s,
+                                    double longest_plan_s = std::numeric_limits<double>::infinity());
     ~LivePlanner();
     LivePlanner(LivePlanner&&) noexcept;
     LivePlanner& operator=(LivePlanner&&) noexcept;
@@ -68,6 +73,28 @@ class LivePlanner {
     /// the worst 80 ms. Allocates when it plans. Errors, the machine then stands: FEED0002 derivatives of the path are
     /// not finite, FEED0004 no plan even from standstill.
     Result<LiveState> tick();
+
+    /// How often the plan in hand was changed.
+    std::size_t plans() const;
+    /// Periods until the plan in hand stands still; 0: it stands.
+    std::size_t periods_left() const;
+    /// The state so many periods on, if nothing is planned from now on: what the ticks give, to the bit, as long as
+    /// plans() stays. Behind its end the plan in hand stands. Allocates nothing.
+    LiveState ahead(std::size_t periods) const;
+    /// Gives up the plan in hand and stands at a place: the one where a plan ends that the control went on with, as it
+    /// came to know a newer one too late. The next tick begins to move from there, unless it is held.
+    void stand_at(path::PathPlace place);
+
+    /// This motion, gone on along another path: one that is the same around the present place and leads farther, as
+    /// where blocks were added to the end of a queue while the first ones are being run. Piece k of it is piece
+    /// k + `pieces_behind` of the present one, block k is block k + `blocks_behind`; the caller knows that both are the
+    /// same from the present piece to the one in which the machine is two periods from now, and where both differ by
+    /// rounding, setpoints jump by as much. The plan in hand stays up to two periods ahead, from there on the motion
+    /// is planned towards the new end.
+    /// None where there is no such plan, or the motion is about to change, waits or stands: this one goes on as it
+    /// would. `other` must outlive what comes back. Cost: as make(), and a window. Errors: as make().
+    Result<std::optional<LivePlanner>> gone_on_along(const path::AxisPath& other, const FeedOptions& options,
+                                                     std::size_t pieces_behind, std::size_t blocks_behind) const;
 
   private:
     class State;

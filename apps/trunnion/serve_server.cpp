@@ -1,0 +1,112 @@
+#include "serve_server.hpp"
+
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace trunnion::app {
+
+namespace {
+
+using pipeline::LiveMotionStatus;
+
+constexpr std::uint64_t quiet_periods = 25;  // without an order: what came is all for now
+constexpr std::uint64_t lead_rows = 60;
+
+}  // namespace
+
+struct OrderServer::Motion {
+    WorldPoses poses;
+    pipeline::QueuedPose end;  // of what was ordered
+    pipeline::QueueMotion motion;
+    PlanPublisher publisher;
+    Motion(WorldPoses world, const pipeline::QueuedPose& begin, pipeline::QueueMotion queue, trunnion_plans& plans)
+        : poses(std::move(world)),
+          end(begin),
+          motion(std::move(queue)),
+          publisher(motion, [this](const pipeline::LiveRow& row) { return poses.row_of(row); }, plans, lead_rows) {}
+};
+
+OrderServer::OrderServer(trunnion_tp_memory& memory, const Workplace& workplace)
+    : memory_(memory), workplace_(workplace) {
+    if (memory.orders.answered != 0) refuse("the planner was started anew: abort, and start the program again");
+}
+OrderServer::~OrderServer() = default;
+
+void OrderServer::refuse(const std::string& reason) {
+    std::strncpy(memory_.orders.reason, reason.c_str(), sizeof memory_.orders.reason - 1);
+    __atomic_store_n(&memory_.orders.refused, memory_.orders.refused + 1, __ATOMIC_RELEASE);
+    fmt::print(stderr, "{}\n", reason);
+}
+
+void OrderServer::work() {
+    trunnion_orders& orders = memory_.orders;
+    __atomic_store_n(&orders.beat, orders.beat + 1, __ATOMIC_RELAXED);
+    take_orders();
+    if (!now_) return;
+    pass_on_wishes();
+    advance();
+}
+
+void OrderServer::take_orders() {
+    for (trunnion_order order; trunnion_order_read(&memory_.orders, &order);) {
+        if (order.kind == trunnion_order_begin)
+            begin(order);
+        else if (now_ && order.epoch == epoch_)
+            add(order);
+    }
+}
+
+/// From here on nothing of before is published any more.
+void OrderServer::begin(const trunnion_order& order) {
+    now_.reset();
+    epoch_ = order.epoch;
+    scale_ = 1;
+    held_ = closed_ = false;
+    memory_.orders.done_through = order.number;
+    auto poses = WorldPoses::make(workplace_.machine, order.tool_length);
+    if (!poses) return refuse(to_string(poses.error()));
+    pipeline::QueueOptions options;
+    options.plan = workplace_.options;
+    options.plan.period_s = memory_.orders.period_s;
+    const pipeline::QueuedPose at = poses->pose_of(order.end);
+    auto motion = pipeline::QueueMotion::make(workplace_.machine, order.tool_length, at, options);
+    if (!motion) return refuse(to_string(motion.error()));
+    now_ = std::make_unique<Motion>(std::move(*poses), at, std::move(*motion), memory_.plans);
+    now_->publisher.begin_at_reader();
+    __atomic_store_n(&memory_.orders.answered, epoch_, __ATOMIC_RELEASE);
+}
+
+void OrderServer::add(const trunnion_order& order) {
+    const pipeline::QueuedMove move = move_of(order, now_->end, now_->poses);
+    now_->motion.add(move);
+    now_->end = move.end;
+    closed_ = false;
+}
+
+void OrderServer::pass_on_wishes() {
+    const trunnion_orders& orders = memory_.orders;
+    if (orders.feed_scale != scale_) now_->motion.set_override(scale_ = orders.feed_scale);
+    const bool hold = orders.hold != 0;
+    if (hold != held_) hold ? now_->motion.hold() : now_->motion.resume();
+    held_ = hold;
+    if (!closed_ && orders.cycles - orders.last_order >= quiet_periods) {
+        now_->motion.close();
+        closed_ = true;
+    }
+}
+
+void OrderServer::advance() {
+    trunnion_orders& orders = memory_.orders;
+    const auto advance = now_->publisher.advance();
+    if (!advance) {
+        if (orders.written == orders.read) refuse(to_string(advance.error()));
+        now_.reset();
+        return;
+    }
+    orders.done_through = static_cast<std::uint64_t>(now_->motion.done_at_standstill());
+    const bool stands = advance->status != LiveMotionStatus::moving;
+    if (orders.aborted == epoch_ && stands) orders.stopped = epoch_;
+}
+
+}  // namespace trunnion::app

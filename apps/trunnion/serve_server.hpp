@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tpmod/tp_memory.h>
+
+#include "job.hpp"
+#include "play_planner.hpp"
+#include "serve_orders.hpp"
+
+namespace trunnion::app {
+
+/// Plans what the module orders, from one `begin` to the next.
+class OrderServer {
+  public:
+    /// Both must outlive it.
+    OrderServer(trunnion_tp_memory& memory, const Workplace& workplace);
+
+    ~OrderServer();
+    OrderServer(const OrderServer&) = delete;
+    OrderServer& operator=(const OrderServer&) = delete;
+
+    /// Looks once at what there is to do; some 5 times a period is enough.
+    void work();
+    bool module_is_gone() const { return memory_.orders.closed != 0; }
+
+  private:
+    struct Motion;
+
+    void take_orders();
+    void begin(const trunnion_order& order);
+    void add(const trunnion_order& order);
+    void pass_on_wishes();
+    void advance();
+    void refuse(const std::string& reason);
+
+    trunnion_tp_memory& memory_;
+    const Workplace& workplace_;
+    std::unique_ptr<Motion> now_;
+    std::uint32_t epoch_ = 0;
+    double scale_ = 1;
+    bool held_ = false, closed_ = false;
+};
+
+}  // namespace trunnion::app

@@ -1,0 +1,330 @@
+#include "trunnion/pipeline/queue_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "trunnion/feed/live_planner.hpp"
+#include "trunnion/smoothing/splice.hpp"
+
+#include "detail/live_motion_steps.hpp"
+#include "detail/queued_way.hpp"
+
+namespace trunnion::pipeline {
+
+namespace {
+
+using feed::LivePlanner;
+
+// A smoothing does not know what came before its first move and comes behind its last one, and its curve feels that
+// for the reach of some bumps: so much of both ends is not used, in way and in moves.
+constexpr double reach_mm = 22;
+constexpr std::size_t reach_moves = 4;
+constexpr double margin_mm = 8;             // more of the begin, so that there are places for the joint
+constexpr double largest_gap = 1e-5;        // of two smoothings: beyond, they are not the same curve
+constexpr std::size_t between_trials = 50;  // periods
+constexpr double largest_override = 2;
+
+}  // namespace
+
+class QueueMotion::State {
+  public:
+    State(const machine::Machine& machine, double tool_length_mm, const QueuedPose& begin, const QueueOptions& options);
+
+    void add(const QueuedMove& move);
+    void close() { closed_ = true; }
+    void set_override(double factor);
+    void hold();
+    void resume();
+    Result<LiveMotionState> tick();
+    std::int32_t done_at_standstill() const;
+    const LiveRow& row() const { return row_; }
+    std::size_t plan() const { return plans_ + (now_.planner ? now_.planner->plans() : 0); }
+    void rows_ahead(std::vector<LiveRow>& rows) const;
+    void keep_standstill();
+    void go_back_to_standstill();
+
+  private:
+    /// A leg and the motion along it.
+    struct UnderWay {
+        Leg leg;
+        std::optional<LivePlanner> planner;
+    };
+
+    std::size_t not_taken_up() const { return way_.moves_behind(taken_up_); }
+    bool enough_to_begin() const;
+    Result<void> take_up();
+    Result<void> lengthen();
+    Result<void> make_legs(std::int32_t first);
+    Result<bool> begin_leg();
+    Result<bool> join(const Leg& anew);
+    std::optional<smoothing::Splice> joint_with(const path::ToolPath& anew, const feed::LiveState& present) const;
+    void pass_on_commands();
+    LiveRow row_of(const UnderWay& under_way, const feed::LiveState& state) const;
+
+    const machine::Machine& machine_;
+    QueueOptions options_;
+    QueuedWay way_;
+    bool closed_ = false;
+    std::int32_t taken_up_ = 0;  // moves up to this one are in now_ and next_
+    std::int32_t done_ = 0;      // moves up to this one are behind
+    std::int32_t newest_ = 0;    // that was added
+    std::deque<Leg> next_;
+    UnderWay now_;
+    std::optional<UnderWay> before_;  // the leg that now_ made longer, until its plan is taken
+    path::PathPlace standstill_;
+    LiveRow row_;
+    std::size_t plans_ = 0, ticks_ = 0, next_trial_ = 0;
+    double override_ = 1;
+    bool held_ = false;
+};
+
+QueueMotion::State::State(const machine::Machine& machine, double tool_length_mm, const QueuedPose& begin,
+                          const QueueOptions& options)
+    : machine_(machine), options_(options), way_(machine, tool_length_mm, begin, live_options(options.plan)) {
+    options_.plan = live_options(options.plan);
+    const auto kinematics = machine::Kinematics::make(machine, {}, tool_length_mm);
+    if (!kinematics) return;
+    const auto linear = kinematics->linear_for(begin.tip_mm, begin.rotary_rad);
+    for (int i = 0; i < machine.linear_count(); ++i) row_.position[i] = linear[i];
+    for (int i = 0; i < machine.rotary_count; ++i) row_.position[machine.linear_count() + i] = begin.rotary_rad[i];
+}
+
+void QueueMotion::State::add(const QueuedMove& move) {
+    way_.add(move);
+    newest_ = move.number;
+    closed_ = false;
+}
+
+void QueueMotion::State::pass_on_commands() {
+    if (!now_.planner) return;
+    (void)now_.planner->set_feed_override(override_);
+    (void)now_.planner->set_rapid_override(std::min(override_, 1.0));
+    if (held_) now_.planner->hold();
+}
+void QueueMotion::State::set_override(double factor) {
+    override_ = std::clamp(factor, 0.0, largest_override);
+    pass_on_commands();
+}
+void QueueMotion::State::hold() {
+    held_ = true;
+    pass_on_commands();
+}
+void QueueMotion::State::resume() {
+    held_ = false;
+    if (now_.planner) now_.planner->resume();
+}
+
+bool QueueMotion::State::enough_to_begin() const {
+    return closed_ || not_taken_up() >= options_.moves_to_begin ||
+           way_.way_behind_mm(taken_up_) >= options_.way_to_begin_mm;
+}
+
+/// Makes legs of what has come, where it is time to.
+Result<void> QueueMotion::State::take_up() {
+    if (not_taken_up() == 0) return {};
+    if (!now_.planner && next_.empty()) return enough_to_begin() ? make_legs(taken_up_ + 1) : Result<void>();
+    if (!closed_ && not_taken_up() < options_.moves_to_go_on) return {};
+    if (!next_.empty()) return make_legs(next_.back().open ? next_.back().first : taken_up_ + 1);
+    if (!now_.leg.open) return make_legs(taken_up_ + 1);
+    return ticks_ < next_trial_ ? Result<void>() : lengthen();
+}
+
+/// From `first` on: a leg that begins there is made anew.
+Result<void> QueueMotion::State::make_legs(std::int32_t first) {
+    auto legs = way_.legs_from(first);
+    if (!legs) return fail(legs.error());
+    if (!next_.empty() && next_.back().first == first) next_.pop_back();
+    for (Leg& leg : *legs) next_.push_back(std::move(leg));
+    taken_up_ = way_.last_number();
+    return {};
+}
+
+/// The present leg with what has come behind it.
+Result<void> QueueMotion::State::lengthen() {
+    next_trial_ = ticks_ + between_trials;
+    const std::int32_t from = std::max(way_.before(row_.line, reach_moves, reach_mm + margin_mm), now_.leg.first);
+    auto legs = way_.legs_from(from);
+    if (!legs) return fail(legs.error());
+    const auto behind = std::ranges::find_if(*legs, [this](const Leg& leg) { return leg.last > now_.leg.last; });
+    if (behind == legs->end()) return {};
+    if (behind->first <= now_.leg.last) {  // one run goes on: else the standstill between both is asked for
+        const auto joined = join(*behind);
+        if (!joined) return fail(joined.error());
+        if (!*joined) return {};
+        next_.assign(std::make_move_iterator(behind + 1), std::make_move_iterator(legs->end()));
+    } else {
+        next_.assign(std::make_move_iterator(behind), std::make_move_iterator(legs->end()));
+        now_.leg.open = false;
+    }
+    taken_up_ = way_.last_number();
+    way_.drop_before(from);
+    return {};
+}
+
+/// As late as the present leg is known, and not before the place up to which its motion is decided.
+std::optional<smoothing::Splice> QueueMotion::State::joint_with(const path::ToolPath& anew,
+                                                                const feed::LiveState& present) const {
+    const path::ToolPath& is = now_.leg.stretch->tool_path;
+    const std::int32_t line = is.blocks[present.block].line;
+    const auto same = std::ranges::find(anew.blocks, line, &path::BlockSpan::line);
+    const std::size_t known = is.blocks.size() - std::min(is.blocks.size(), reach_moves);
+    if (same == anew.blocks.end() || known <= present.block) return std::nullopt;
+    smoothing::Splice out;
+    out.behind_mm = is.blocks[present.block].end_mm - same->end_mm;
+    out.from_piece = present.place.piece;
+    const double latest_mm = std::min(is.length_mm() - reach_mm, is.blocks[known].begin_mm);
+    const auto next = std::upper_bound(is.pieces.begin(), is.pieces.end(), latest_mm,
+                                       [](double p, const path::PathPiece& piece) { return p < piece.begin_mm; });
+    out.at_piece = static_cast<std::size_t>(next - is.pieces.begin()) - 1;
+    const path::PathPlace decided = now_.planner->ahead(4).place;
+    if (next == is.pieces.begin() || out.at_piece <= decided.piece) return std::nullopt;
+    return out;
+}
+
+Result<bool> QueueMotion::State::join(const Leg& anew) {
+    const feed::LiveState present = now_.planner->ahead(0);
+    const auto where = joint_with(anew.stretch->tool_path, present);
+    if (!where) return false;
+    const path::ToolPath& is = now_.leg.stretch->tool_path;
+    auto path = smoothing::spliced(is, anew.stretch->tool_path, *where, largest_gap);
+    if (!path) return false;
+    std::size_t blocks_behind = 0;
+    while (is.blocks[blocks_behind].end_mm <= is.pieces[where->from_piece].begin_mm) ++blocks_behind;
+    auto stretch = Stretch::make(std::move(*path), machine_, {}, anew.stretch->part);
+    if (!stretch) return fail(stretch.error());
+    auto planner =
+        now_.planner->gone_on_along(*(*stretch)->axis_path, options_.plan.feed, where->from_piece, blocks_behind);
+    if (!planner) return fail(planner.error());
+    if (!*planner) return false;
+    if (!before_) before_ = std::move(now_);
+    now_.leg = {std::move(*stretch), before_->leg.first, anew.last, anew.open};
+    now_.planner = std::move(*planner);
+    return true;
+}
+
+Result<bool> QueueMotion::State::begin_leg() {
+    if (next_.empty()) return false;
+    now_.leg = std::move(next_.front());
+    next_.pop_front();
+    auto planner = LivePlanner::make(*now_.leg.stretch->axis_path, options_.plan.feed, options_.plan.period_s,
+                                     options_.longest_plan_s);
+    if (!planner) return fail(planner.error());
+    now_.planner = std::move(*planner);
+    pass_on_commands();
+    next_trial_ = ticks_;
+    return true;
+}
+
+Result<LiveMotionState> QueueMotion::State::tick() {
+    LiveMotionState out;
+    out.row = row_;
+    out.status = LiveMotionStatus::waiting;
+    ++ticks_;
+    if (auto taken = take_up(); !taken) return fail(taken.error());
+    if (!now_.planner) {
+        const auto begun = begin_leg();
+        if (!begun) return fail(begun.error());
+        if (!*begun) return out;
+    }
+    const bool was_under_way = now_.planner->periods_left() > 0;
+    const auto state = now_.planner->tick();
+    if (!state) return fail(state.error());
+    row_ = out.row = row_of(now_, *state);
+    const bool moves = was_under_way || state->status == feed::LiveStatus::moving;
+    out.status = moves ? LiveMotionStatus::moving : LiveMotionStatus::standing;
+    if (state->status != feed::LiveStatus::finished) return out;
+    done_ = now_.leg.last;
+    plans_ += now_.planner->plans();
+    now_.planner.reset();
+    before_.reset();
+    way_.drop_before(done_ + 1);
+    return out;
+}
+
+std::int32_t QueueMotion::State::done_at_standstill() const {
+    if (!now_.planner) return next_.empty() && not_taken_up() == 0 ? newest_ : done_;
+    const feed::LiveState end = now_.planner->ahead(now_.planner->periods_left());
+    if (end.status == feed::LiveStatus::finished) return now_.leg.last;
+    return now_.leg.stretch->tool_path.blocks[end.block].line - 1;
+}
+
+LiveRow QueueMotion::State::row_of(const UnderWay& under_way, const feed::LiveState& state) const {
+    const Stretch& stretch = *under_way.leg.stretch;
+    return {stretch.axis_path->position(state.place), stretch.tool_path.blocks[state.block].line};
+}
+
+void QueueMotion::State::rows_ahead(std::vector<LiveRow>& rows) const {
+    rows.clear();
+    if (!now_.planner) return;
+    const std::size_t count = now_.planner->periods_left();
+    for (std::size_t k = 1; k <= count; ++k) rows.push_back(row_of(now_, now_.planner->ahead(k)));
+}
+
+void QueueMotion::State::keep_standstill() {
+    before_.reset();
+    if (now_.planner) standstill_ = now_.planner->ahead(now_.planner->periods_left()).place;
+}
+
+void QueueMotion::State::go_back_to_standstill() {
+    if (before_) {
+        now_ = std::move(*before_);
+        before_.reset();
+        next_.clear();
+        taken_up_ = now_.leg.last;
+    }
+    if (!now_.planner) return;
+    now_.planner->stand_at(standstill_);
+    row_ = row_of(now_, now_.planner->ahead(0));
+}
+
+QueueMotion::QueueMotion(std::unique_ptr<State> state) : state_(std::move(state)) {}
+QueueMotion::~QueueMotion() = default;
+QueueMotion::QueueMotion(QueueMotion&&) noexcept = default;
+QueueMotion& QueueMotion::operator=(QueueMotion&&) noexcept = default;
+
+Result<QueueMotion> QueueMotion::make(const machine::Machine& machine, double tool_length_mm, const QueuedPose& begin,
+                                      const QueueOptions& options) {
+    if (!(std::isfinite(options.plan.period_s) && options.plan.period_s > 0))
+        return fail({.code = "PIPE0001", .text = "the period must be more than 0"});
+    return QueueMotion(std::make_unique<State>(machine, tool_length_mm, begin, options));
+}
+
+void QueueMotion::add(const QueuedMove& move) {
+    state_->add(move);
+}
+void QueueMotion::close() {
+    state_->close();
+}
+void QueueMotion::set_override(double factor) {
+    state_->set_override(factor);
+}
+void QueueMotion::hold() {
+    state_->hold();
+}
+void QueueMotion::resume() {
+    state_->resume();
+}
+Result<LiveMotionState> QueueMotion::tick() {
+    return state_->tick();
+}
+std::int32_t QueueMotion::done_at_standstill() const {
+    return state_->done_at_standstill();
+}
+LiveRow QueueMotion::begin() const {
+    return state_->row();
+}
+std::size_t QueueMotion::plan() const {
+    return state_->plan();
+}
+void QueueMotion::rows_ahead(std::vector<LiveRow>& rows) const {
+    state_->rows_ahead(rows);
+}
+void QueueMotion::keep_standstill() {
+    state_->keep_standstill();
+}
+void QueueMotion::go_back_to_standstill() {
+    state_->go_back_to_standstill();
+}
+
+}  // namespace trunnion::pipeline

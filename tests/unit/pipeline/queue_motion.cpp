@@ -1,0 +1,258 @@
+#include "trunnion/pipeline/queue_motion.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "trunnion/base/quantity.hpp"
+#include "trunnion/files/machine_file.hpp"
+
+namespace trunnion::test {
+namespace {
+
+using pipeline::LiveMotionStatus;
+using pipeline::LiveRow;
+using pipeline::QueuedMove;
+using pipeline::QueueMotion;
+
+constexpr double period_s = 1e-3;
+
+const machine::Machine& table() {
+    static const auto machine = *files::read_machine_file(TRUNNION_SOURCE_DIR "/data/machines/xyzac-trt.toml");
+    return machine;
+}
+
+/// A wave of dense 5-axis blocks, 0.2 mm in X each.
+QueuedMove wave(int number) {
+    QueuedMove out;
+    const double x = 0.2 * number - 190;
+    out.number = number;
+    out.end.tip_mm = {x, 10 * std::sin(x / 15), 3 * std::sin(x / 7)};
+    out.end.rotary_rad = {0.2 * std::sin(x / 20), 0.4 * std::sin(x / 30)};
+    out.feed = {program::FeedRule::tip_speed, 10000 / 60.0};
+    return out;
+}
+
+QueuedMove line(int number, double x, double y, double a = 0, double c = 0) {
+    QueuedMove out;
+    out.number = number;
+    out.end.tip_mm = {x, y, 0};
+    out.end.rotary_rad = {a, c};
+    out.feed = {program::FeedRule::tip_speed, 100};
+    return out;
+}
+
+/// Runs a queue and holds every row against the limits by differences.
+class QueueDrive {
+  public:
+    explicit QueueDrive(const pipeline::QueuedPose& begin, const pipeline::QueueOptions& options = {})
+        : motion_(*QueueMotion::make(table(), 0, begin, options)) {
+        rows_.push_back(motion_.begin());
+    }
+    QueueMotion& motion() { return motion_; }
+    const std::vector<LiveRow>& rows() const { return rows_; }
+    int standstills() const { return standstills_; }
+
+    LiveMotionStatus tick() {
+        if (ahead_.size() > next_ && motion_.plan() == plan_) expected_ = ahead_[next_];
+        const auto state = motion_.tick();
+        if (!state) {
+            ADD_FAILURE() << to_string(state.error());
+            return LiveMotionStatus::finished;
+        }
+        ++next_;
+        if (motion_.plan() != plan_) {
+            plan_ = motion_.plan();
+            motion_.rows_ahead(ahead_);
+            next_ = 0;
+            motion_.keep_standstill();
+        } else if (expected_) {
+            EXPECT_EQ(*expected_, state->row) << "row " << rows_.size() << " is not as planned";
+        }
+        expected_.reset();
+        if (state->status != LiveMotionStatus::moving && last_ == LiveMotionStatus::moving) ++standstills_;
+        last_ = state->status;
+        rows_.push_back(state->row);
+        return state->status;
+    }
+    void run_until_waiting() {
+        for (int k = 0; k < 200000 && tick() != LiveMotionStatus::waiting; ++k) {}
+    }
+    /// The largest of what the rows' differences make of velocity, acceleration and jerk, of the limits.
+    double worst() const {
+        double worst = 0;
+        for (std::size_t k = 3; k < rows_.size(); ++k)
+            for (int i = 0; i < table().axis_count; ++i) {
+                const machine::AxisLimits& limit = table().axes[i].feed;
+                const auto at = [&](int back) { return rows_[k - back].position[i]; };
+                worst =
+                    std::max({worst, std::abs(at(0) - at(1)) / period_s / limit.velocity,
+                              std::abs(at(0) - 2 * at(1) + at(2)) / std::pow(period_s, 2) / limit.acceleration,
+                              std::abs(at(0) - 3 * at(1) + 3 * at(2) - at(3)) / std::pow(period_s, 3) / limit.jerk});
+            }
+        return worst;
+    }
+
+  private:
+    QueueMotion motion_;
+    std::vector<LiveRow> rows_, ahead_;
+    std::optional<LiveRow> expected_;
+    std::size_t plan_ = 0, next_ = 0;
+    int standstills_ = 0;
+    LiveMotionStatus last_ = LiveMotionStatus::waiting;
+};
+
+constexpr double in_limits = 1.001;
+
+TEST(QueueMotion, GoesOnWhileMovesComeIn) {
+    constexpr int all = 1900;
+    QueueDrive drive(wave(0).end);
+    int sent = 0;
+    std::size_t moving = 0;
+    for (int k = 0; k < 100000; ++k) {
+        if (sent < all) drive.motion().add(wave(++sent));
+        if (sent == all) drive.motion().close();
+        const auto status = drive.tick();
+        moving += status == LiveMotionStatus::moving;
+        if (sent == all && status == LiveMotionStatus::waiting) break;
+    }
+    EXPECT_EQ(drive.standstills(), 1);
+    EXPECT_EQ(drive.motion().done_at_standstill(), all);
+    EXPECT_LE(drive.worst(), in_limits);
+
+    QueueDrive whole(wave(0).end);
+    for (int k = 1; k <= all; ++k) whole.motion().add(wave(k));
+    whole.motion().close();
+    whole.run_until_waiting();
+    EXPECT_EQ(whole.standstills(), 1);
+    EXPECT_LE(static_cast<double>(moving), 1.005 * static_cast<double>(whole.rows().size()));
+    for (int i = 0; i < 5; ++i) EXPECT_NEAR(drive.rows().back().position[i], whole.rows().back().position[i], 1e-9);
+}
+
+TEST(QueueMotion, StandsWhereItIsAskedTo) {
+    QueueDrive drive({});
+    QueuedMove first = line(1, 20, 0), second = line(2, 20, 20, 0.1), third = line(3, 0, 20, 0.1, 0.2);
+    first.exact_stop = true;
+    third.stop_first = true;
+    for (const QueuedMove& move : {first, second, third}) drive.motion().add(move);
+    drive.motion().close();
+    drive.run_until_waiting();
+    EXPECT_LE(drive.worst(), in_limits);
+    int at_corner = 0;
+    for (std::size_t k = 1; k < drive.rows().size(); ++k) {
+        const auto &at = drive.rows()[k].position, &was = drive.rows()[k - 1].position;
+        double way = 0;
+        for (int i = 0; i < 5; ++i) way = std::max(way, std::abs(at[i] - was[i]));
+        at_corner += way < 1e-6 && k > 10 && k + 10 < drive.rows().size();
+    }
+    EXPECT_GT(at_corner, 2);
+}
+
+TEST(QueueMotion, TurnsAnArc) {
+    QueueDrive drive({});
+    drive.motion().add(line(1, 20, 0));
+    QueuedMove arc = line(2, 30, 10);
+    arc.arc = program::Arc{{20, 10, 0}, {0, 0, 1}, std::numbers::pi / 2};
+    drive.motion().add(arc);
+    drive.motion().add(line(3, 30, 30));
+    drive.motion().close();
+    drive.run_until_waiting();
+    EXPECT_EQ(drive.standstills(), 1);
+    EXPECT_LE(drive.worst(), in_limits);
+    double off = 0;
+    int on_arc = 0;
+    for (const LiveRow& row : drive.rows()) {
+        const double x = row.position[0] - 20, y = row.position[1] - 10;
+        if (x < 1 || y > -1) continue;
+        ++on_arc;
+        off = std::max(off, std::abs(std::hypot(x, y) - 10));
+    }
+    EXPECT_GT(on_arc, 20);
+    EXPECT_LE(off, 0.021);
+}
+
+TEST(QueueMotion, WaitsForEnoughOrForTheLast) {
+    QueueDrive drive({});
+    drive.motion().add(line(1, 5, 0));
+    EXPECT_EQ(drive.tick(), LiveMotionStatus::waiting);
+    drive.motion().close();
+    EXPECT_EQ(drive.tick(), LiveMotionStatus::moving);
+    drive.run_until_waiting();
+    EXPECT_EQ(drive.motion().done_at_standstill(), 1);
+    drive.motion().add(line(2, 5, 0));  // leads nowhere
+    drive.motion().close();
+    EXPECT_EQ(drive.tick(), LiveMotionStatus::waiting);
+    EXPECT_EQ(drive.motion().done_at_standstill(), 2);
+}
+
+TEST(QueueMotion, HoldsAndGoesOn) {
+    QueueDrive drive(wave(0).end);
+    for (int k = 1; k <= 600; ++k) drive.motion().add(wave(k));
+    drive.motion().close();
+    for (int k = 0; k < 500; ++k) drive.tick();
+    drive.motion().hold();
+    for (int k = 0; k < 1000; ++k) drive.tick();
+    EXPECT_EQ(drive.tick(), LiveMotionStatus::standing);
+    EXPECT_LT(drive.motion().done_at_standstill(), 600);
+    for (int k = 601; k <= 900; ++k) drive.motion().add(wave(k));
+    drive.motion().close();
+    drive.motion().resume();
+    drive.motion().set_override(0.5);
+    drive.run_until_waiting();
+    EXPECT_EQ(drive.motion().done_at_standstill(), 900);
+    EXPECT_LE(drive.worst(), in_limits);
+}
+
+/// The reader went on with the plan before, to its standstill, when the way was made longer.
+TEST(QueueMotion, GoesBackWhereALongerWayCameTooLate) {
+    QueueDrive drive(wave(0).end);
+    auto& motion = drive.motion();
+    for (int k = 1; k <= 400; ++k) motion.add(wave(k));
+    std::vector<LiveRow> ahead, rows{motion.begin()};  // ahead: from row `first_ahead` on
+    std::size_t plan = 0, first_ahead = 1;
+    bool refused = false;
+    for (int k = 0, sent = 400; k < 100000; ++k) {
+        if (k > 300 && sent < 1200) motion.add(wave(++sent));
+        if (sent == 1200) motion.close();
+        const auto state = motion.tick();
+        ASSERT_TRUE(state) << to_string(state.error());
+        if (state->status == LiveMotionStatus::waiting && sent == 1200) break;
+        if (motion.plan() != plan && !refused && sent >= 600) {
+            refused = true;
+            for (std::size_t n = rows.size() - first_ahead; n < ahead.size(); ++n) rows.push_back(ahead[n]);
+            motion.go_back_to_standstill();
+            plan = motion.plan();
+            continue;
+        }
+        rows.push_back(state->row);
+        if (motion.plan() == plan) continue;
+        plan = motion.plan();
+        motion.keep_standstill();
+        motion.rows_ahead(ahead);
+        first_ahead = rows.size();
+    }
+    EXPECT_TRUE(refused);
+    EXPECT_EQ(motion.done_at_standstill(), 1200);
+    for (std::size_t k = 1; k < rows.size(); ++k)
+        for (int i = 0; i < 5; ++i) {
+            const double velocity = (rows[k].position[i] - rows[k - 1].position[i]) / period_s;
+            ASSERT_LE(std::abs(velocity), in_limits * table().axes[i].feed.velocity) << "row " << k;
+        }
+    const auto end = wave(1200).end;
+    EXPECT_NEAR(rows.back().position[4], end.rotary_rad[1], 1e-9);
+}
+
+TEST(QueueMotion, RefusesWhatIsOutOfRange) {
+    auto motion = *QueueMotion::make(table(), 0, {}, {});
+    motion.add(line(7, 5000, 0));
+    motion.close();
+    const auto state = motion.tick();
+    ASSERT_FALSE(state);
+    EXPECT_EQ(state.error().code, "PATH0102");
+    EXPECT_EQ(state.error().place.line, 7);
+    EXPECT_EQ(QueueMotion::make(table(), 0, {}, {.plan = {.period_s = 0}}).error().code, "PIPE0001");
+}
+
+}  // namespace
+}  // namespace trunnion::test
