@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds a reader with mutated input: scripts/fuzz.sh READER SECONDS [libFuzzer option…]
-# READER: apt, rs274, sinumerik, heidenhain, fanuc, machine_file, setup_file, controller_file, surface_file, setpoints. What it learns stays in build/fuzz/corpus/READER, so that
+# READER: apt, rs274, sinumerik, heidenhain, fanuc, machine_file, linuxcnc_machine, setup_file, controller_file, surface_file, setpoints. What it learns stays in build/fuzz/corpus/READER, so that
 # a second run goes on. A find stops it and is kept in build/fuzz/finds/READER; exit status 0 where there is none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -32,6 +32,7 @@ case $reader in
   heidenhain) seed tests/reject '*.h'; longest=2048 ;;
   fanuc) for folder in tests/reject "$shared/data/nc/fanuc"; do seed "$folder" '*.nc'; done ;;
   machine_file) seed tests/reject '*.toml'; seed data/machines '*.toml' ;;
+  linuxcnc_machine) seed tests/reject '*.ini'; longest=8192 ;;
   setup_file) seed tests/reject '*setup*.toml'; seed examples '*.toml' ;;
   controller_file) seed tests/reject 'controller_*.toml'; seed data/controllers '*.toml'; seed examples '*control*.toml' ;;
   surface_file) seed tests/reject 'surface_*.toml'; seed examples '*.toml'; seed tests/docs '*.toml' ;;

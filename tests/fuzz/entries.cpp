@@ -18,6 +18,7 @@ constexpr Entry all[] = {
     {"heidenhain", [](std::string_view bytes) { take_program("heidenhain", bytes); }},
     {"fanuc", [](std::string_view bytes) { take_program("fanuc", bytes); }},
     {"machine_file", take_machine_file},
+    {"linuxcnc_machine", take_linuxcnc_machine},
     {"setup_file", take_setup_file},
     {"controller_file", take_controller_file},
     {"surface_file", take_surface_file},

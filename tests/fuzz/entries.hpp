@@ -28,6 +28,7 @@ void expect_sound(const Diagnostic& diagnostic, std::string_view bytes);
 
 void take_program(std::string_view dialect, std::string_view bytes);
 void take_machine_file(std::string_view bytes);
+void take_linuxcnc_machine(std::string_view bytes);
 void take_setup_file(std::string_view bytes);
 void take_controller_file(std::string_view bytes);
 void take_surface_file(std::string_view bytes);

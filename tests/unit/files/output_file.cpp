@@ -82,6 +82,44 @@ TEST_F(OutputFileTest, writes_to_a_pipe_as_it_is) {
     ::close(reader);
 }
 
+TEST_F(OutputFileTest, has_no_name_until_it_is_complete) {
+    auto file = OutputFile::create(folder_ / "a.csv");
+    file->write(std::string(1 << 20, 'x'));
+    EXPECT_EQ(files_there(), 0u);
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "a.csv"), 1u << 20);
+}
+
+TEST_F(OutputFileTest, takes_the_place_of_what_a_killed_program_left) {
+    const auto left = folder_ / fmt::format("a.csv.{}.part", ::getpid());
+    auto of_before = OutputFile::create(left);
+    of_before->write("half");
+    ASSERT_TRUE(of_before->commit());
+    auto file = OutputFile::create(folder_ / "a.csv");
+    file->write("whole");
+    ASSERT_TRUE(file->commit());
+    EXPECT_EQ(read_whole_file(folder_ / "a.csv").value(), "whole");
+    EXPECT_EQ(files_there(), 1u);
+}
+
+TEST_F(OutputFileTest, has_the_permissions_of_new_files) {
+    const auto before = ::umask(0027);
+    auto file = OutputFile::create(folder_ / "a.csv");
+    ASSERT_TRUE(file->commit());
+    ::umask(before);
+    EXPECT_EQ(static_cast<unsigned>(std::filesystem::status(folder_ / "a.csv").permissions()), 0640u);
+}
+
+TEST_F(OutputFileTest, a_folder_that_went_away_is_said) {
+    std::filesystem::create_directory(folder_ / "sub");
+    auto file = OutputFile::create(folder_ / "sub" / "a.csv");
+    ASSERT_TRUE(file);
+    file->write("lost");
+    std::filesystem::remove_all(folder_ / "sub");
+    EXPECT_EQ(file->commit().error().code, "FILE0202");
+    EXPECT_EQ(files_there(), 0u);
+}
+
 TEST_F(OutputFileTest, says_what_cannot_be_written_or_read) {
     EXPECT_EQ(OutputFile::create(folder_ / "no/such/folder/a.csv").error().code, "FILE0201");
     EXPECT_EQ(read_whole_file(folder_ / "missing").error().code, "FILE0203");

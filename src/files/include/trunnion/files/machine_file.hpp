@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "trunnion/base/result.hpp"
@@ -35,5 +36,9 @@ Result<machine::Machine> read_machine_file(const std::filesystem::path& path);
 
 /// The same from text; `file_name` is what diagnostics and Machine::file say.
 Result<machine::Machine> read_machine(std::string_view toml_text, std::string_view file_name);
+
+/// The machine as a file that read_machine() takes: it gives the same machine to the last bit of every limit, range and
+/// point, but for the file's name.
+std::string machine_text(const machine::Machine& machine);
 
 }  // namespace trunnion::files

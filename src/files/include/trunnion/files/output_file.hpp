@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string_view>
+#include <system_error>
 
 #include "trunnion/base/result.hpp"
 
@@ -11,9 +12,14 @@ struct gzFile_s;
 
 namespace trunnion::files {
 
-/// A file that appears by rename when it is complete, or not at all. A name that ends in `.gz` is compressed.
-/// Without commit() the half-written file is removed. What is there and no regular file (a device, a pipe) is written
-/// to as it is. Errors: FILE0201 cannot be created, FILE0202 cannot be written.
+/// A file that appears by rename when it is complete and on the disk, or not at all. A name that ends in `.gz` is
+/// compressed. What is there and no regular file (a device, a pipe) is written to as it is.
+///
+/// Until commit() the bytes are in a file without a name, so that nothing is left of them when the program is killed
+/// or the power fails; what had the name before stays whole. Where the file system has no such files, they are in
+/// `NAME.PID.part`, which is removed unless the program is killed.
+///
+/// Errors: FILE0201 cannot be created, FILE0202 cannot be written.
 class OutputFile {
   public:
     static Result<OutputFile> create(const std::filesystem::path& path);
@@ -29,13 +35,18 @@ class OutputFile {
 
   private:
     OutputFile() = default;
+    void open_descriptor();
     void discard() noexcept;
     void remove_temporary() noexcept;
+    void give_name();
+    std::error_code take_place();
+    void close_descriptor() noexcept;
 
     std::filesystem::path path_, temporary_;
     std::FILE* plain_ = nullptr;
     gzFile_s* compressed_ = nullptr;
-    bool in_place_ = false, failed_ = false;
+    int descriptor_ = -1;  ///< of the same file as the stream, which may be closed before
+    bool in_place_ = false, nameless_ = false, failed_ = false;
 };
 
 /// Whole content of a file, decompressed where it is gzip. Errors: FILE0203 cannot be read.
