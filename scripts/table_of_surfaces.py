@@ -2,10 +2,11 @@
 
     nice -n 10 /usr/bin/python3 scripts/table_of_surfaces.py TRUNNION FOLDER > docs/surfaces-planned.md
 
-Of each file the first FACES faces that are curved, or else the first ones. The tool is the largest ball of SERIES with
-which a strategy of STRATEGIES, tried in that order, gives a plan that holds what was asked and cuts nothing else of the
-file; the scallop the least of SCALLOPS with which the passes stay below LONGEST_CUT_M. No call may take more than SECONDS
-of processor time, no face more than SECONDS_A_FACE.
+Of each file the first FACES faces that are curved, or else the first ones. Balls are shares of the face's width, the
+root of its area; the scallop is such that some PASSES passes are as wide as the face; all that is asked stands in the
+row. Strategies are tried in the order of STRATEGIES, first as they are, then with --leave-out where a plan is refused or
+goes into the part, until one is usable. No call may take more than SECONDS of processor time, no face more than
+SECONDS_A_FACE.
 """
 import json
 import math
@@ -17,11 +18,12 @@ import sys
 import tempfile
 
 FACES = 2
-SERIES = [500, 200, 100, 50, 20, 16, 12, 10, 8, 6, 5, 4, 3, 2, 1]
-STRATEGIES = ['constant-scallop', 'along-u', 'along-v', 'parallel-planes']
-SCALLOPS = [0.01, 0.03, 0.1, 0.3, 1, 3]
-LONGEST_CUT_M = 40
-SECONDS, SECONDS_A_FACE = 15, 30
+STEPS = [1, 2, 5]
+WIDTHS_PER_BALL = [8, 16, 32]
+STRATEGIES = ['along-u', 'along-v', 'constant-scallop', 'parallel-planes']
+PASSES = 60
+MOST_LEFT = 0.5
+SECONDS, SECONDS_A_FACE = 60, 240
 
 trunnion, folder = sys.argv[1], pathlib.Path(sys.argv[2])
 
@@ -48,31 +50,41 @@ def faces_of(listed):
     return len(faces), (curved or faces)[:FACES]
 
 
-def scallop_for(area, ball):
-    for scallop in SCALLOPS:
-        if area / math.sqrt(8 * scallop * ball / 2) < 1000 * LONGEST_CUT_M and scallop < ball / 4:
-            return scallop
-    return None
+def rounded(value, up):
+    """To one of STEPS times a power of ten."""
+    series = [step * 10.0 ** power for power in range(-5, 6) for step in STEPS]
+    return min(x for x in series if x >= value) if up else max(x for x in series if x <= value)
 
 
-def attempts(area, hollow):
-    """Ball, scallop and strategy, the coarsest first. A face is at least some balls wide."""
-    for ball in SERIES:
-        scallop = scallop_for(area, ball)
-        if ball / 2 < hollow and 4 * ball < math.sqrt(area) and scallop:
-            for strategy in STRATEGIES:
-                yield ball, scallop, strategy
+def length(mm):
+    return f'{1e3 * mm:g}um' if mm < 0.1 else f'{mm:g}mm'
 
 
-def row(ball, scallop, strategy, of, seconds):
+def asked(area, hollow):
+    """Options, the largest ball first; nothing for faces that all balls are too large for."""
+    width = math.sqrt(area)
+    for widths in WIDTHS_PER_BALL:
+        ball = rounded(width / widths, False)
+        scallop = rounded((width / PASSES) ** 2 / (4 * ball), True)
+        large = [] if ball <= 20 else ['--gouge-tolerance', length(scallop / 10), '--retract', length(2 * ball),
+                                       '--longest-step', length(ball / 5)]
+        for strategy in STRATEGIES:
+            words = ['--tool', f'ball {length(ball)}', '--scallop', length(scallop), '--strategy', strategy, *large]
+            if ball / 2 < hollow:
+                yield words
+            yield [*words, '--leave-out']
+
+
+def row(words, of, seconds):
     check = of['check']
     into = check.get('in_part')
     told = f'goes {into["depth_mm"]:.3g} mm into face {into["face"]} of the file' if into else ''
     if not into and not of['usable']:
         told = 'does not hold what was asked'
     ridges = f'{1e3 * check["least_ridge_mm"]:.2f}-{1e3 * check["largest_ridge_mm"]:.2f}' if check['ridges'] else 'none away from borders'
-    return (f'{ball} mm | {1e3 * scallop:g} | {strategy} | {of["passes"]} | {ridges} | {1e3 * check["highest_mm"]:.2f} | '
-            f'{1e3 * check["deepest_mm"]:.2f} | {seconds:.1f} | {told}')
+    left = f'{100 * check["left_share"]:.1f} %' if of['left'] else ''
+    return (f'`{" ".join(words)}` | {of["passes"]} | {ridges} | {1e3 * check["highest_mm"]:.2f} | '
+            f'{1e3 * check["deepest_mm"]:.2f} | {left} | {seconds:.1f} | {told}')
 
 
 def planned(file, number, area, hollow, work):
@@ -80,41 +92,42 @@ def planned(file, number, area, hollow, work):
     summary, last, refused = work / 'summary.json', None, {}
     spent = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
     begun = spent()
-    for ball, scallop, strategy in attempts(area, hollow):
+    for words in asked(area, hollow):
         if spent() - begun > SECONDS_A_FACE:
-            refused[f'stopped after {SECONDS_A_FACE} s'] = ball
+            refused[f'stopped after {SECONDS_A_FACE} s'] = words[1]
             break
         before = spent()
         summary.unlink(missing_ok=True)
-        done = run('plan', str(file), '--face', str(number), '--tool', f'ball {ball}mm', '--scallop', f'{scallop}mm', '--strategy', strategy,
-                   '--check', '--summary', str(summary), '-o', str(work / 'program.apt'), '-q')
+        done = run('plan', str(file), '--face', str(number), *words, '--check', '--summary', str(summary), '-o',
+                   str(work / 'program.apt'), '-q')
         if not summary.exists():
-            refused[code_of(done)] = ball
+            refused[code_of(done)] = words[1]
             continue
         of = json.loads(summary.read_text())
-        last = row(ball, scallop, strategy, of, spent() - before)
+        if of['left'] and of['check']['left_share'] > MOST_LEFT:
+            refused[f'{100 * of["check"]["left_share"]:.0f} % left'] = words[1]
+            continue
+        last = row(words, of, spent() - before)
         if of['usable']:
             return last
-    if last:
-        return last
-    told = '; '.join(f'{code} (last with {ball} mm)' for code, ball in refused.items())
-    return f' | | | | | | | | {told or f"too large, too small or too hollow for the balls of this table (hollow of {hollow:.3g} mm)"}'
+    told = '; '.join(f'{code} (last with {ball})' for code, ball in refused.items())
+    return last or f' | | | | | | | {told}'
 
 
 def main():
     print(__doc__.split('\n', 1)[0].replace('Plans and simulates', '# Surfaces planned\nWritten by `scripts/table_of_surfaces.py`: it plans and simulates'))
-    print(f'\nOf each file the first {FACES} curved faces (flat ones where none is curved). Ball: the largest of {", ".join(map(str, SERIES))} mm with which\n'
-          f'a strategy ({", ".join(STRATEGIES)}, in this order) gives a plan that holds what was asked and cuts nothing else of the file.\n'
-          f'Scallop: the least of {", ".join(f"{1e3 * s:g}" for s in SCALLOPS)} µm with which the passes stay below about {LONGEST_CUT_M} m; ridges, highest and deepest in µm;\n'
-          f'seconds of processor time: reading, planning, simulation and the check against the whole part. Up to {SECONDS} s a plan, {SECONDS_A_FACE} s a face.\n')
-    print('| file | faces | face | ball | scallop | strategy | passes | ridges | highest | deepest | seconds | told |\n|---|---|---|---|---|---|---|---|---|---|---|---|')
+    print(f'\nOf each file the first {FACES} curved faces (flat ones where none is curved). Balls of 1/{", 1/".join(map(str, WIDTHS_PER_BALL))} of the face\'s width, rounded\n'
+          f'down; a scallop with which some {PASSES} passes are as wide as the face; the first plan that is usable. Ridges, highest and deepest in µm; left: share of the\n'
+          f'area that is left out (`--leave-out`), at most {100 * MOST_LEFT:g} %; seconds of processor time: reading, planning, simulation and the check against the whole part.\n'
+          f'Up to {SECONDS} s a plan, {SECONDS_A_FACE} s a face.\n')
+    print('| file | faces | face | asked | passes | ridges | highest | deepest | left | seconds | told |\n|---|---|---|---|---|---|---|---|---|---|---|')
     with tempfile.TemporaryDirectory() as name:
         for file in sorted(folder.iterdir()):
             if file.suffix not in ('.step', '.stp', '.iges', '.igs', '.3dm'):
                 continue
             listed = run('list', str(file), '-q')
             if listed.returncode:
-                print(f'| {file.name} | | | | | | | | | | | {code_of(listed)} |', flush=True)
+                print(f'| {file.name} | | | | | | | | | | {code_of(listed)} |', flush=True)
                 continue
             count, chosen = faces_of(listed.stdout)
             for number, area, hollow, _ in chosen:

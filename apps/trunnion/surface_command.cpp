@@ -163,6 +163,7 @@ pipeline::SurfaceSummary summary_of(const SurfacePlanCommand& command, const Sur
                                  .highest_ridge_mm = plan.highest_ridge_mm,
                                  .splines = made.splines,
                                  .freed = made.freed,
+                                 .left = made.left,
                                  .diagnostics = work.list.diagnostics};
     for (const auto& face : work.faces) out.faces.push_back(pipeline::facts_of(face));
     return out;
@@ -171,6 +172,8 @@ pipeline::SurfaceSummary summary_of(const SurfacePlanCommand& command, const Sur
 /// Where a tool does not fit, with what would: passes are refused at the first such place, and that is not the worst.
 Diagnostic with_what_fits(Diagnostic error, const SurfaceWork& work) {
     if (error.code == "SURF0204") error.hint += ", or --free-gouges";
+    if (error.code == "SURF0203" || error.code == "SURF0204" || error.code == "SURF0209")
+        error.hint += ", or --leave-out";
     if (error.code != "SURF0203") return error;
     double hollow_mm = HUGE_VAL;
     for (const auto& face : work.faces) hollow_mm = std::min(hollow_mm, pipeline::facts_of(face).hollow_radius_mm);
@@ -187,6 +190,10 @@ Result<pipeline::SurfaceResult> make_program(const SurfacePlanCommand& command, 
         if (!limits) return fail(limits.error());
         options->freeing = {.others = part.others, .limits = *limits, .holder = part.holder};
     }
+    if (command.part.leave_out) {
+        options->passes.leave_out = true;
+        options->leaving = {.others = part.others, .holder = part.holder};
+    }
     auto made = pipeline::make_surface_program(work.faces, work.cutter, *options);
     if (!made) return fail(with_what_fits(made.error(), work));
     return made;
@@ -196,7 +203,7 @@ Result<pipeline::SurfaceResult> make_program(const SurfacePlanCommand& command, 
 Result<void> look_at(const SurfacePlanCommand& command, const SurfaceWork& work, const SurfacePart& part,
                      const pipeline::SurfaceResult& made, pipeline::SurfaceSummary& summary) {
     const auto faces = part.with(work.faces);
-    if (command.check || command.part.free_gouges) {
+    if (command.check || command.part.free_gouges || command.part.leave_out) {
         auto check = pipeline::check_surface_program(work.faces, faces, work.cutter, made, work.options, part.holder);
         if (!check) return fail(check.error());
         summary.part = *check;
@@ -232,6 +239,13 @@ Result<pipeline::SurfaceSummary> run(const SurfacePlanCommand& command) {
     summary.part_file = part->file;
     summary.diagnostics.insert(summary.diagnostics.end(), told.begin(), told.end());
     if (auto done = look_at(command, *work, *part, *made, summary); !done) return fail(done.error());
+    if (summary.check && summary.check->verdict.left_mm2 > 0)
+        summary.diagnostics.push_back({.code = "PIPE0122",
+                                       .severity = Severity::warning,
+                                       .text = "the tool does not reach all of the faces; what it does not is left out",
+                                       .value = fmt::format("{:.4g} mm² of {:.4g} mm²", summary.check->verdict.left_mm2,
+                                                            summary.check->verdict.area_mm2),
+                                       .hint = "a smaller tool, or another lead or tilt, for what is left"});
     if (auto done = write(command, *place, *work, *writing, std::move(made->plan.program), summary); !done)
         return fail(done.error());
     if (!command.summary.empty())

@@ -82,6 +82,11 @@ void SurfacePartText::add_to(CLI::App& command) {
         "--free-gouges", free_gouges,
         "leans the tool out of what it goes into; then simulates as --check, as ridges change with the lean");
     command
+        .add_flag("--leave-out", leave_out,
+                  "leaves out what the tool cannot reach without going into the part, and says how much of the faces "
+                  "that is; then simulates as --check")
+        ->excludes(free);
+    command
         .add_option("--least-lead", least_lead,
                     "of --free-gouges; default: -60deg; the lead of a tool that is no ball keeps its sign")
         ->needs(free);

@@ -15,7 +15,7 @@ namespace trunnion::app {
 /// What the command line says about the part that the tool must not go into, as text.
 struct SurfacePartText {
     std::string part, holder, least_lead, most_lead = "60deg", most_tilt = "60deg";
-    bool free_gouges = false;
+    bool leave_out = false, free_gouges = false;
 
     void add_to(CLI::App& command);
 };

@@ -18,9 +18,16 @@ using surfacing::Penetration;
 namespace {
 
 constexpr double ridge_slack = 1.005;
-constexpr double body_tolerance_mm = 0.005;
 constexpr double body_error = 1.1;  ///< of depths, in body tolerances
-constexpr double step_mm = 1;
+
+double body_tolerance_mm(double gouge_tolerance_mm) {
+    return std::max(0.005, 0.5 * gouge_tolerance_mm);
+}
+
+/// Of a tool of `radius_mm`, between poses that are looked at; for tools of 50 mm and more in proportion.
+double step_mm(double radius_mm) {
+    return std::max(1.0, 0.02 * radius_mm);
+}
 
 /// Keeps the deepest place of the tool in a part.
 class Depths {
@@ -30,7 +37,7 @@ class Depths {
           cutter_(cutter),
           holder_(holder),
           arm_mm_(std::max(cutter.reach_mm(), holder.to_mm) + std::max(cutter.radius_mm(), holder.radius_mm)),
-          allowed_mm_(allowed_mm + body_error * body_tolerance_mm) {}
+          allowed_mm_(allowed_mm + body_error * body.tolerance_mm()) {}
 
     void ask(const CutterPose& pose) {
         const double more_than_mm = deepest_ ? deepest_->depth_mm : allowed_mm_;
@@ -41,7 +48,7 @@ class Depths {
     void ask_straight(const CutterPose& from, const CutterPose& to) {
         const geometry::GreatCircle turn(from.axis, to.axis);
         const double way_mm = (to.tip_mm - from.tip_mm).norm() + turn.angle_rad() * arm_mm_;
-        const int steps = std::max(1, static_cast<int>(std::ceil(way_mm / step_mm)));
+        const int steps = std::max(1, static_cast<int>(std::ceil(way_mm / step_mm(cutter_.radius_mm()))));
         for (int k = 1; k <= steps; ++k) {
             const double w = static_cast<double>(k) / steps;
             ask({(1 - w) * from.tip_mm + w * to.tip_mm, turn.at(w)});
@@ -75,11 +82,16 @@ std::optional<Penetration> deepest_in_part(const PartBody& body, const Cutter& c
     return depths.deepest();
 }
 
+/// How far from a place that is left out the neighbouring passes would not cut.
+double left_reach_mm(const surfacing::SurfacePlan& plan, const Cutter& cutter) {
+    return std::max(plan.largest_interval_mm, 0.1 * cutter.radius_mm());
+}
+
 }  // namespace
 
 Result<SurfacePartCheck> check_part(std::span<const Face> part, const Cutter& cutter, const SurfaceResult& made,
                                     double gouge_tolerance_mm, const Holder& holder) {
-    const auto body = PartBody::make(part, body_tolerance_mm);
+    const auto body = PartBody::make(part, body_tolerance_mm(gouge_tolerance_mm));
     if (!body) return fail(body.error());
     SurfacePartCheck out{.faces = part.size(),
                          .in_part = deepest_in_part(*body, cutter, holder, made, gouge_tolerance_mm)};
@@ -94,6 +106,11 @@ Result<SurfaceCheck> check_surface_program(std::span<const Face> faces, std::spa
     if (!in_part) return fail(in_part.error());
     surfacing::SurfaceCheckOptions looking;
     looking.limit_mm = std::max({looking.limit_mm, 2 * allowed.scallop_mm, 2 * allowed.gouge_tolerance_mm});
+    looking.grid_mm = std::max(looking.grid_mm, 0.1 * cutter.radius_mm());
+    looking.ridge_spacing_mm = std::max(looking.ridge_spacing_mm, 0.2 * cutter.radius_mm());
+    looking.left = made.plan.left;
+    looking.left_above_mm = ridge_slack * allowed.scallop_mm;
+    looking.left_reach_mm = left_reach_mm(made.plan, cutter);
     SurfaceCheck out{*in_part, surfacing::check_region(faces, cutter, made.plan.passes, looking)};
     const auto& verdict = out.verdict;
     const double highest_mm =

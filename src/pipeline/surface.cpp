@@ -11,6 +11,7 @@
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/deformation/dual_path_program.hpp"
 #include "trunnion/geometry/great_circle.hpp"
+#include "trunnion/surfacing/leave_out.hpp"
 #include "trunnion/surfacing/plan_region.hpp"
 
 namespace trunnion::pipeline {
@@ -220,6 +221,31 @@ class FreePlanning {
     double tolerance_mm_;
 };
 
+/// Of the gouge tolerance, the triangles of the part; as fine as they are made at the least.
+constexpr double left_part_share = 0.25, finest_part_mm = 0.002;
+
+/// Plans passes that may gouge, and cuts away where they do.
+Result<SurfaceResult> planned_within_reach(std::span<const Face> faces, const Cutter& cutter,
+                                           const SurfaceOptions& passes, const SurfaceLeaving& leaving) {
+    auto plan = surfacing::plan_region(faces, cutter, passes);
+    if (!plan) return fail(plan.error());
+    std::vector<Face> part(faces.begin(), faces.end());
+    part.insert(part.end(), leaving.others.begin(), leaving.others.end());
+    const double part_mm = std::max(left_part_share * passes.gouge_tolerance_mm, finest_part_mm);
+    const auto body = surfacing::PartBody::make(part, part_mm);
+    if (!body) return fail(body.error());
+    // Chords and triangles are within the gouge tolerance of what is meant.
+    const double tolerance_mm = std::max(passes.gouge_tolerance_mm, 2 * part_mm);
+    auto reached = surfacing::leave_out_gouges(std::move(*plan), faces, cutter, *body, passes,
+                                               {.tolerance_mm = tolerance_mm, .holder = leaving.holder});
+    if (!reached) return fail(reached.error());
+    SurfaceResult out{.left = LeftAccount{.way_mm = reached->left_way_mm,
+                                          .deepest_mm = reached->deepest_mm,
+                                          .passes_lost = reached->passes_lost}};
+    out.plan = std::move(reached->plan);
+    return out;
+}
+
 Result<SurfaceResult> planned_as_it_is(std::span<const Face> faces, const Cutter& cutter,
                                        const SurfaceOptions& passes) {
     auto plan = surfacing::plan_region(faces, cutter, passes);
@@ -252,8 +278,13 @@ void add_events(Program& program, const SurfaceProgramOptions& options) {
 Result<SurfaceResult> make_surface_program(std::span<const Face> faces, const Cutter& cutter,
                                            const SurfaceProgramOptions& options) {
     const SurfaceOptions passes = options.splines ? close_contacts(options.passes) : options.passes;
-    auto planned = options.freeing ? FreePlanning(faces, cutter, passes, *options.freeing).run()
-                                   : planned_as_it_is(faces, cutter, passes);
+    if (options.freeing && options.leaving)
+        return fail({.code = "PIPE0119", .text = "gouges are either freed or left out, not both"});
+    if (options.leaving && !passes.leave_out)
+        return fail({.code = "PIPE0119", .text = "places are left out of a plan that is not to leave any out"});
+    auto planned = options.freeing   ? FreePlanning(faces, cutter, passes, *options.freeing).run()
+                   : options.leaving ? planned_within_reach(faces, cutter, passes, *options.leaving)
+                                     : planned_as_it_is(faces, cutter, passes);
     if (!planned) return planned;
     SurfaceResult& out = *planned;
     for (const Pass& pass : out.plan.passes) out.contacts += pass.contacts.size();

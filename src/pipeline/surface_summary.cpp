@@ -54,7 +54,7 @@ std::string verdict_text(const SurfaceSummary& s) {
                            um * s.options.gouge_tolerance_mm);
     if (s.part && s.part->in_part)
         out += fmt::format("{}the tool goes into the part{}", out.empty() ? "" : "; ",
-                           s.freed ? "" : " (--free-gouges leans it out)");
+                           s.freed || s.left ? "" : " (--free-gouges leans it out, --leave-out leaves those places)");
     return "NOT USABLE: " + out;
 }
 
@@ -95,6 +95,19 @@ void add_freed(ReportLines& lines, const SurfaceSummary& s) {
     if (freed.links_raised > 0)
         lines.add("", fmt::format("{} ways between passes raised, to {:g} mm at most", freed.links_raised,
                                   freed.highest_link_mm));
+}
+
+/// Share of the faces' area that is left as it was.
+double left_share(const surfacing::SurfaceVerdict& v) {
+    return v.area_mm2 > 0 ? v.left_mm2 / v.area_mm2 : 0;
+}
+
+void add_left(ReportLines& lines, const SurfaceSummary& s) {
+    if (s.left->way_mm == 0 && s.left->passes_lost == 0) return lines.add("left out", "nothing");
+    lines.add("left out", fmt::format("{:.1f} mm of passes, {} passes altogether; the tool would go {:.4g} mm into "
+                                      "the part",
+                                      s.left->way_mm, s.left->passes_lost, s.left->deepest_mm));
+    if (s.check) lines.add("", fmt::format("{:.2f} % of the area is left", 100 * left_share(s.check->verdict)));
 }
 
 void add_part(ReportLines& lines, const SurfaceSummary& s) {
@@ -169,6 +182,10 @@ ordered_json freed_json(const FreedAccount& freed) {
             {"highest_link_mm", freed.highest_link_mm}};
 }
 
+ordered_json left_json(const LeftAccount& left) {
+    return {{"way_mm", left.way_mm}, {"deepest_mm", left.deepest_mm}, {"passes_lost", left.passes_lost}};
+}
+
 ordered_json check_json(const SurfaceCheck& check) {
     const auto& v = check.verdict;
     return {{"ridges", v.ridges},
@@ -177,6 +194,7 @@ ordered_json check_json(const SurfaceCheck& check) {
             {"largest_ridge_mm", v.largest_ridge_mm},
             {"highest_mm", v.highest_mm},
             {"deepest_mm", v.deepest_mm},
+            {"left_share", left_share(v)},
             {"ridges_hold", check.ridges_hold},
             {"surface_holds", check.surface_holds},
             {"in_part", in_part_json(check)}};
@@ -194,6 +212,7 @@ std::string report(const SurfaceSummary& s) {
                                             s.largest_interval_mm, um * s.highest_ridge_mm));
     if (s.splines) lines.add("splines", splines_text(*s.splines));
     if (s.freed) add_freed(lines, s);
+    if (s.left) add_left(lines, s);
     if (s.part) add_part(lines, s);
     if (s.check) add_check(lines, *s.check);
     if (!s.output.empty()) lines.add("program", fmt::format("{}, {} moves", s.output, s.moves));
@@ -220,6 +239,7 @@ std::string to_json(const SurfaceSummary& s) {
     out["highest_ridge_mm"] = s.highest_ridge_mm;
     out["splines"] = s.splines ? splines_json(*s.splines) : ordered_json(nullptr);
     out["freed"] = s.freed ? freed_json(*s.freed) : ordered_json(nullptr);
+    out["left"] = s.left ? left_json(*s.left) : ordered_json(nullptr);
     out["part"] = s.part ? part_json(s) : ordered_json(nullptr);
     out["check"] = s.check ? check_json(*s.check) : ordered_json(nullptr);
     out["usable"] = s.usable();

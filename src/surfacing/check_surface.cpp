@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -47,6 +49,36 @@ double width_mm(const Face& face, int k) {
     return longest;
 }
 
+/// Places left out, in cubes as wide as they reach.
+class LeftPlaces {
+  public:
+    LeftPlaces(std::span<const LeftPlace> places, double reach_mm) : reach_mm_(reach_mm) {
+        for (const LeftPlace& place : places) cubes_[cube_of(place.at_mm)].push_back(place.at_mm);
+    }
+
+    bool near(const Eigen::Vector3d& point) const {
+        if (cubes_.empty()) return false;
+        const Cube middle = cube_of(point);
+        for (int k = 0; k < 27; ++k) {
+            const auto cube = cubes_.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
+            if (cube == cubes_.end()) continue;
+            for (const Eigen::Vector3d& at : cube->second)
+                if ((at - point).norm() <= reach_mm_) return true;
+        }
+        return false;
+    }
+
+  private:
+    using Cube = std::array<std::int64_t, 3>;
+    Cube cube_of(const Eigen::Vector3d& point) const {
+        const auto along = [&](int k) { return static_cast<std::int64_t>(std::floor(point[k] / reach_mm_)); };
+        return {along(0), along(1), along(2)};
+    }
+
+    double reach_mm_;
+    std::map<Cube, std::vector<Eigen::Vector3d>> cubes_;
+};
+
 /// A place on a pass.
 struct PassPlace {
     SurfacePlace place;
@@ -58,7 +90,12 @@ class Check {
   public:
     Check(std::span<const Face> faces, const Cutter& cutter, const std::vector<Pass>& passes,
           const SurfaceCheckOptions& options)
-        : faces_(faces), cutter_(cutter), options_(options), passes_(passes), cut_(cutter, passes) {}
+        : faces_(faces),
+          cutter_(cutter),
+          options_(options),
+          passes_(passes),
+          cut_(cutter, passes),
+          left_(options.left, options.left_reach_mm) {}
 
     SurfaceVerdict run() {
         for (const Face& face : faces_) {
@@ -80,7 +117,8 @@ class Check {
         for (const int side : {-1, 1})
             if (out > 0.5 * options_.limit_mm)
                 out = cut_.height_mm(shape->point + side * aside, shape->normal, options_.limit_mm);
-        if (out > verdict_.highest_mm) verdict_.highest_mm = out, verdict_.highest_at_mm = shape->point;
+        if (out > verdict_.highest_mm && !(out > options_.left_above_mm && left_.near(shape->point)))
+            verdict_.highest_mm = out, verdict_.highest_at_mm = shape->point;
         if (-out > verdict_.deepest_mm) verdict_.deepest_mm = -out, verdict_.deepest_at_mm = shape->point;
         return out;
     }
@@ -94,8 +132,19 @@ class Check {
             for (int j = 0; j < columns; ++j) {
                 const SurfacePlace place{box.low.x() + (i + 0.5) / rows * size.x(),
                                          box.low.y() + (j + 0.5) / columns * size.y()};
-                if (contains(face, place) && height(face, place)) ++verdict_.heights;
+                if (!contains(face, place)) continue;
+                const auto h = height(face, place);
+                if (!h) continue;
+                ++verdict_.heights;
+                account_area(face, place, *h, size.x() * size.y() / rows / columns);
             }
+    }
+
+    void account_area(const Face& face, const SurfacePlace& place, double height, double cell) {
+        const auto shape = shape_at(face.surface, place, face.side);
+        const double area = cell * shape->by_u.cross(shape->by_v).norm();
+        verdict_.area_mm2 += area;
+        if (height > options_.left_above_mm && left_.near(shape->point)) verdict_.left_mm2 += area;
     }
 
     /// Along all loops, on the border and at shares of the tool's radius from it.
@@ -200,6 +249,8 @@ class Check {
         // A pass along a border cuts as far as the tool's end reaches.
         const double margin = std::max(2 * other.off_mm, 1.1 * cutter_.radius_mm());
         if (!away_from_borders(face, between(contact.place, other.place, share), margin)) return;
+        const SurfacePlace top_place = between(contact.place, other.place, share);
+        if (left_.near(face.surface.at(top_place.u, top_place.v))) return;
         const double ridge = std::max(highest, top(face, contact, other, share - 1.0 / parts, share + 1.0 / parts));
         if (is_at_reach(face, contact, other)) {
             ++verdict_.at_reach;
@@ -240,6 +291,7 @@ class Check {
     const SurfaceCheckOptions& options_;
     const std::vector<Pass>& passes_;
     MachinedSurface cut_;
+    LeftPlaces left_;
     std::vector<double> ridges_;
     SurfaceVerdict verdict_;
 };

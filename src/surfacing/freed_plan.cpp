@@ -108,11 +108,13 @@ class Freeing {
         for (std::size_t k = 0; k < passes().size(); ++k) groups[group_of(passes()[k])].push_back(k);
         for (const auto& [group, members] : groups)
             if (auto freed = free_group(group, members); !freed) return fail(std::move(freed.error()));
-        const auto heights = detail::free_links(passes(), cutter_, part_, options_, freeing_);
-        if (!heights) return fail(heights.error());
-        out_.links_raised = static_cast<std::size_t>(std::ranges::count_if(*heights, [](double h) { return h > 0; }));
-        out_.highest_link_mm = std::ranges::max(*heights);
-        out_.plan.program = detail::program_of(passes(), options_, *heights);
+        const auto links = detail::free_links(passes(), cutter_, part_, options_, freeing_);
+        if (!links) return fail(links.error());
+        for (const detail::Link& link : *links) {
+            if (link.height_mm > 0) ++out_.links_raised;
+            out_.highest_link_mm = std::max(out_.highest_link_mm, link.height_mm);
+        }
+        out_.plan.program = detail::program_of(passes(), options_, *links);
         return std::move(out_);
     }
 

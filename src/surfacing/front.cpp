@@ -13,6 +13,7 @@ using geometry::SurfaceShape;
 namespace {
 
 constexpr double places_across = 100;
+constexpr double spacing_share = 0.2;  ///< of the tool's radius
 
 double line_length_mm(const geometry::BsplineSurface& surface, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     constexpr int parts = 32;
@@ -106,7 +107,7 @@ Result<Field> field_of(const Job& job) {
         field.box.low[k] -= bears(middle - way) ? margin : -1e-4 * half[k];
         field.box.high[k] += bears(middle + way) ? margin : -1e-4 * half[k];
     }
-    field.spacing_mm = std::min(2.0, longest / places_across);
+    field.spacing_mm = std::min(std::max(2.0, spacing_share * job.cutter.radius_mm()), longest / places_across);
     return field;
 }
 

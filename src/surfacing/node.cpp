@@ -22,7 +22,11 @@ Result<std::vector<Node>> nodes_of(const Job& job, const Way& way, bool backward
         if (!node.station) continue;
         node.inside = contains(job.face, way.places()[i]);
         if (node.inside)
-            if (auto fits = check_fit(job, *node.station); !fits) return fail(std::move(fits.error()));
+            if (auto fits = check_fit(job, *node.station); !fits) {
+                if (!job.options.leave_out) return fail(std::move(fits.error()));
+                node.station.reset();  // intervals and ridges of what is left out do not count
+                continue;
+            }
         const Station& at = *node.station;
         node.interval = interval_mm(job, at, at.pose.axis, at.across, job.ridge_mm());
         node.longest = longest_interval_mm(job.cutter, at.shape, at.pose.axis, at.shape.components(at.across));
@@ -59,9 +63,13 @@ Result<void> check_fit(const Job& job, const Station& station) {
                  .hint = fmt::format("a ball of radius below {:.4g} mm could", 1 / hollow)});
 }
 
-Result<void> check_ridge(const Job& job, double highest, const Eigen::Vector3d& at) {
+bool is_unbearable(const Job& job, double highest) {
     constexpr double bearable = 1.2;
-    if (highest <= bearable * job.options.scallop_mm) return {};
+    return highest > bearable * job.options.scallop_mm;
+}
+
+Result<void> check_ridge(const Job& job, double highest, const Eigen::Vector3d& at) {
+    if (!is_unbearable(job, highest)) return {};
     return fail({.code = "SURF0209",
                  .text = fmt::format("no distance of passes keeps the scallop near ({:.3f} {:.3f} {:.3f})", at.x(),
                                      at.y(), at.z()),
@@ -74,6 +82,13 @@ std::unexpected<Diagnostic> too_many_ways() {
     return fail({.code = "SURF0206",
                  .text = fmt::format("more than {} passes", most_ways),
                  .hint = "a larger scallop, or a larger tool"});
+}
+
+std::unexpected<Diagnostic> too_much_work(std::size_t ways) {
+    return fail({.code = "SURF0206",
+                 .text = fmt::format("{} passes, and far from done", ways),
+                 .limit = fmt::format("ridges measured at {} places", most_work),
+                 .hint = "a larger scallop, a larger tool, or another strategy"});
 }
 
 }  // namespace trunnion::surfacing::detail

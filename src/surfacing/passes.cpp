@@ -128,8 +128,10 @@ Result<Pass> pass_of(const Job& job, const Way& way, const Span& span, int index
     for (std::size_t i = 0; i < at.size(); ++i) {
         const auto station = job.station(way, at[i], backwards);
         if (!station) continue;
-        if (auto fits = check_fit(job, *station); !fits) return fail(std::move(fits.error()));
-        if (auto clear = check_body(job, *station); !clear) return fail(std::move(clear.error()));
+        if (!job.options.leave_out) {
+            if (auto fits = check_fit(job, *station); !fits) return fail(std::move(fits.error()));
+            if (auto clear = check_body(job, *station); !clear) return fail(std::move(clear.error()));
+        }
         pass.contacts.push_back({station->place, station->shape.point, station->shape.normal, station->pose});
     }
     return pass;

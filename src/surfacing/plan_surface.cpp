@@ -75,11 +75,12 @@ class RegionPlanner {
         if (options_.borders)
             if (auto done = along_borders(); !done) return fail(std::move(done.error()));
         if (plan_.passes.empty()) return fail({.code = "SURF0205", .text = "no pass crosses the face"});
-        if (faces_.size() > 1)
+        if (faces_.size() > 1 && !options_.leave_out)
             if (auto clear = check_region_body(); !clear) return fail(std::move(clear.error()));
         for (const Pass& pass : plan_.passes) plan_.cut_length_mm += length_mm(pass);
+        if (options_.leave_out) return std::move(plan_);  // whose links are laid when parts of passes are cut away
         constexpr double part_tolerance_mm = 0.02;
-        const auto part = PartBody::make(faces_, part_tolerance_mm);
+        const auto part = PartBody::make(faces_, std::max(part_tolerance_mm, 0.5 * options_.gouge_tolerance_mm));
         if (!part) return fail(part.error());
         plan_.program = detail::program_of(plan_.passes, options_,
                                            detail::links_where_free(plan_.passes, cutter_, *part, options_));
@@ -114,6 +115,7 @@ class RegionPlanner {
             auto ways = detail::sweep(jobs_[k]);
             if (!ways) return refused(k, std::move(ways.error()));
             account(ways->least_interval_mm, ways->largest_interval_mm, ways->highest_ridge_mm);
+            for (const Eigen::Vector3d& at : ways->too_high) plan_.left.push_back({at, static_cast<int>(k)});
             if (auto covered = check_cover(k, *ways); !covered) return covered;
             const int shift = next_index - ways->ways.front().index;
             const std::size_t first = plan_.passes.size();
@@ -153,6 +155,7 @@ class RegionPlanner {
         auto sections = detail::plane_sections(jobs_);
         if (!sections) return fail(std::move(sections.error()));
         account(sections->least_interval_mm, sections->largest_interval_mm, sections->highest_ridge_mm);
+        plan_.left = std::move(sections->too_high);
         if (sections->ways.empty()) return {};
         const int first = sections->ways.front().index;
         for (std::size_t begin = 0, end = 0; begin < sections->ways.size(); begin = end) {
@@ -186,7 +189,7 @@ class RegionPlanner {
 
     /// The tool on one face against all the others.
     Result<void> check_region_body() const {
-        const double tolerance = std::max(options_.gouge_tolerance_mm, 0.005);
+        const double tolerance = std::max(0.5 * options_.gouge_tolerance_mm, 0.005);
         const auto body = PartBody::make(faces_, tolerance);
         if (!body) return fail(body.error());
         const double allowed = options_.gouge_tolerance_mm + 2 * tolerance;

@@ -143,22 +143,34 @@ class PlaneSweep {
     struct Ridges {
         double highest = 0, factor = most_change, largest_step = std::numeric_limits<double>::infinity();
         Eigen::Vector3d highest_at{0, 0, 0};
+        std::vector<LeftPlace> too_high;
     };
 
     Result<void> corrected(const Row& here, double offset, int side, int index, double& step, Row& next) {
         Ridges ridges;
-        for (int attempt = 0; attempt < most_attempts; ++attempt) {
+        for (int attempt = 0; attempt < utmost_attempts; ++attempt) {
             next = row(offset + side * step, index + side);
+            if (auto bearable = check_work(here); !bearable) return bearable;
             ridges = measured(here, next);
             const double wanted = faces_.front().job().ridge_mm();
             if (ridges.highest <= wanted && ridges.highest > wanted * (1 - 2 * ridge_accuracy)) break;
             const double better = std::min(step * ridges.factor, ridges.largest_step);
-            if (std::abs(better - step) < 1e-6 * step || attempt + 1 == most_attempts) break;
+            const bool enough = attempt + 1 >= most_attempts && !is_unbearable(faces_.front().job(), ridges.highest);
+            if (std::abs(better - step) < 1e-6 * step || enough) break;
             step = better;
         }
-        if (auto kept = check_ridge(faces_.front().job(), ridges.highest, ridges.highest_at); !kept) return kept;
+        if (faces_.front().job().options.leave_out)
+            out_.too_high.insert(out_.too_high.end(), ridges.too_high.begin(), ridges.too_high.end());
+        else if (auto kept = check_ridge(faces_.front().job(), ridges.highest, ridges.highest_at); !kept)
+            return kept;
         account(here, step, ridges.highest);
         return {};
+    }
+
+    Result<void> check_work(const Row& here) {
+        for (const SectionWay& one : here) work_ += one.way.lengths().size();
+        if (work_ <= most_work) return {};
+        return too_much_work(out_.ways.size());
     }
 
     Ridges measured(const Row& here, const Row& next) const {
@@ -179,14 +191,15 @@ class PlaneSweep {
         for (const double s : one.way.lengths()) {
             const auto station = job.station(one.way, s, job.backwards(one.index));
             if (!station) continue;
-            const double beside = other.way.nearest(station->shape.point);
-            if (beside <= 0 || beside >= other.way.length()) continue;
-            if (!contains(job.face, station->place) && !contains(job.face, other.way.place(beside))) continue;
+            const auto beside = other.way.nearest(station->place, station->shape);
+            if (!beside || *beside <= 0 || *beside >= other.way.length()) continue;
+            if (!contains(job.face, station->place) && !contains(job.face, other.way.place(*beside))) continue;
             // Another part of the face's section is not beside this one.
             if (other.way.distance_mm(station->shape.point) > 3 * job.cutter.radius_mm()) continue;
             const auto ridge = ridge_between_mm(job, first, s, second, 4 * wanted);
             if (!ridge) continue;
             any = true;
+            if (is_unbearable(job, *ridge)) out.too_high.push_back({station->shape.point, static_cast<int>(one.face)});
             if (*ridge > out.highest) out.highest = *ridge, out.highest_at = station->shape.point;
             const double longest = longest_interval_mm(job.cutter, station->shape, station->pose.axis,
                                                        station->shape.components(station->across));
@@ -212,6 +225,7 @@ class PlaneSweep {
     std::vector<FaceSections> faces_;
     Eigen::Vector3d normal_;
     PlaneSections& out_;
+    std::size_t work_ = 0;
 };
 
 }  // namespace

@@ -51,11 +51,10 @@ namespace {
 class Cover {
   public:
     Cover(const Cutter& cutter, const Track& track, double s, double reach, double limit)
-        : cutter_(cutter),
-          track_(track),
-          from_(std::max(s - reach, 0.0)),
-          to_(std::min(s + reach, track.way().length())),
-          limit_(limit) {}
+        : cutter_(cutter), track_(track), limit_(limit) {
+        from_ = std::max(end_within(s, -reach), 0.0);
+        to_ = std::min(end_within(s, reach), track.way().length());
+    }
 
     /// Up from the surface by the distance of the nearest pose, again and again; 0 where the surface is cut into.
     /// Nothing where the nearest pose is an end of the way: beyond it the tool may be nearer.
@@ -79,6 +78,17 @@ class Cover {
     }
 
   private:
+    /// Round a sharp edge the tool comes back on the other side: there distances fall a second time.
+    double end_within(double s, double reach) const {
+        constexpr double far_turned = 0.5;
+        const auto here = track_.pose(s);
+        for (int halving = 0; here && halving < 6; ++halving, reach *= 0.5) {
+            const auto there = track_.pose(std::clamp(s + reach, 0.0, track_.way().length()));
+            if (there && there->axis.dot(here->axis) > far_turned) break;
+        }
+        return s + reach;
+    }
+
     /// Where the tool is nearest to a point, by the golden section: distances fall and then rise.
     double nearest(const Eigen::Vector3d& point, double low, double high) const {
         constexpr double golden = 0.3819660112501051, exact_mm = 2e-4;
@@ -99,18 +109,21 @@ class Cover {
 
     const Cutter& cutter_;
     const Track& track_;
-    double from_, to_, limit_;
+    double from_ = 0, to_ = 0, limit_;
 };
 
 }  // namespace
 
-std::optional<double> ridge_between_mm(const Job& job, const Track& first, double s, const Track& second, double limit) {
+std::optional<double> ridge_between_mm(const Job& job, const Track& first, double s, const Track& second,
+                                       double limit) {
     const geometry::SurfacePlace a = first.way().place(s);
-    const Eigen::Vector3d from = job.face.surface.at(a.u, a.v);
-    const double on_second = second.way().nearest(from);
-    const geometry::SurfacePlace b = second.way().place(on_second);
-    const double reach = 1.1 * job.cutter.radius_mm() + (job.face.surface.at(b.u, b.v) - from).norm();
-    const Cover one(job.cutter, first, s, reach, limit), other(job.cutter, second, on_second, reach, limit);
+    const auto from = job.shape(a);
+    if (!from) return std::nullopt;
+    const auto on_second = second.way().nearest(a, *from);
+    if (!on_second) return std::nullopt;
+    const geometry::SurfacePlace b = second.way().place(*on_second);
+    const double reach = 1.1 * job.cutter.radius_mm() + (job.face.surface.at(b.u, b.v) - from->point).norm();
+    const Cover one(job.cutter, first, s, reach, limit), other(job.cutter, second, *on_second, reach, limit);
     double low = 0, high = 1, share = 0.5, ridge = 0;
     for (int step = 0; step < 16; ++step) {
         const auto at = job.shape({a.u + share * (b.u - a.u), a.v + share * (b.v - a.v)});

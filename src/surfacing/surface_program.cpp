@@ -11,22 +11,29 @@ class ProgramWriter {
         program_.dialect = "apt";
     }
 
-    void pass(const Pass& pass, const Pass* before, double height_mm) {
+    void pass(const Pass& pass, const Pass* before, const Link& to) {
         const CutterPose& first = pass.contacts.front().pose;
-        if (before && height_mm == 0 && is_beside(*before, pass, options_))
+        if (!to.round.empty())
+            approach_round(to, first);
+        else if (before && to.height_mm == 0 && is_beside(*before, pass, options_))
             link(before->contacts.back().pose, first);
         else
-            approach(before, first, height_mm > 0 ? height_mm : options_.retract_mm);
+            approach(before, first, height_of(to));
         move(raised(first, 0), options_.approach_mm_s);
         for (std::size_t i = 1; i < pass.contacts.size(); ++i) move(pass.contacts[i].pose, options_.feed_mm_s);
     }
 
-    program::Program finished(const Pass& last, double height_mm) {
-        rapid(raised(last.contacts.back().pose, height_mm > 0 ? height_mm : options_.retract_mm));
+    program::Program finished(const Pass& last, const Link& up) {
+        rapid(raised(last.contacts.back().pose, height_of(up)));
         return std::move(program_);
     }
 
   private:
+    double height_of(const Link& link) const { return link.height_mm > 0 ? link.height_mm : options_.retract_mm; }
+    void approach_round(const Link& link, const CutterPose& to) {
+        for (const CutterPose& pose : link.round) rapid(pose);
+        rapid(raised(to, options_.lift_mm));
+    }
     void link(const CutterPose& from, const CutterPose& to) {
         move(raised(from, options_.lift_mm), options_.feed_mm_s);
         move(raised(to, options_.lift_mm), options_.feed_mm_s);
@@ -61,15 +68,15 @@ bool is_beside(const Pass& before, const Pass& next, const SurfaceOptions& optio
 }
 
 program::Program program_of(const std::vector<Pass>& passes, const SurfaceOptions& options,
-                            std::span<const double> heights_mm) {
+                            std::span<const Link> links) {
     ProgramWriter writer(options);
-    const auto height = [&](std::size_t k) { return k < heights_mm.size() ? heights_mm[k] : 0; };
+    const auto link = [&](std::size_t k) { return k < links.size() ? links[k] : Link{}; };
     const Pass* before = nullptr;
     for (std::size_t k = 0; k < passes.size(); ++k) {
-        writer.pass(passes[k], before, height(k));
+        writer.pass(passes[k], before, link(k));
         before = &passes[k];
     }
-    return writer.finished(passes.back(), height(passes.size()));
+    return writer.finished(passes.back(), link(passes.size()));
 }
 
 }  // namespace trunnion::surfacing::detail

@@ -60,6 +60,20 @@ class Sweeper {
         return 1;
     }
 
+    /// Of what the strategy counts in, where nothing on the first way asks for a step.
+    double first_step() const {
+        constexpr double share = 0.01;
+        const Eigen::Vector2d size = job_.box.high - job_.box.low;
+        switch (job_.options.strategy) {
+            case Strategy::along_u:
+                return share * size.y();
+            case Strategy::along_v:
+                return share * size.x();
+            default:
+                return 0.1 * job_.cutter.radius_mm();
+        }
+    }
+
     /// The step of uniform strategies: the least that any place within the face asks for.
     double uniform_step(const std::vector<Node>& nodes) const {
         double inside = std::numeric_limits<double>::infinity(), anywhere = inside;
@@ -69,7 +83,9 @@ class Sweeper {
             anywhere = std::min(anywhere, step);
             if (node.inside) inside = std::min(inside, step);
         }
-        return std::isfinite(inside) ? inside : anywhere;
+        if (std::isfinite(inside)) return inside;
+        // Over ways that are left out altogether passes go on as before.
+        return std::isfinite(anywhere) ? anywhere : last_step_;
     }
 
     /// How far the place of the next pass that belongs to a place is ahead along the way, for one unit across it: as
@@ -149,6 +165,7 @@ class Sweeper {
     struct Ridges {
         double highest = 0;  ///< within the face
         Eigen::Vector3d highest_at{0, 0, 0};
+        std::vector<Eigen::Vector3d> too_high;  ///< places within the face
         std::vector<double> factors;  ///< that intervals want, by place; 1 where the tool's reach is what bounds them
         double least_factor = most_change;  ///< within the face, where anything but the reach bounds
     };
@@ -159,12 +176,13 @@ class Sweeper {
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Node& node = nodes[i];
             if (!node.station) continue;
-            const double beside = next.nearest(node.station->shape.point);
-            if (beside <= 0 || beside >= next.length()) continue;
-            const bool inside = node.inside || contains(job_.face, next.place(beside));
+            const auto beside = next.nearest(node.station->place, node.station->shape);
+            if (!beside || *beside <= 0 || *beside >= next.length()) continue;
+            const bool inside = node.inside || contains(job_.face, next.place(*beside));
             if (uniform() && !inside) continue;
             const auto ridge = ridge_between_mm(job_, here, way.lengths()[i], there, 4 * wanted);
             if (!ridge) continue;
+            if (inside && is_unbearable(job_, *ridge)) out.too_high.push_back(node.station->shape.point);
             if (inside && *ridge > out.highest) out.highest = *ridge, out.highest_at = node.station->shape.point;
             if (node.at_reach() && *ridge < wanted) continue;
             out.factors[i] = interval_factor(job_, *node.station, *ridge, wanted);
@@ -191,24 +209,33 @@ class Sweeper {
         const bool corrects = job_.options.strategy != Strategy::lin_koren;
         const double wanted = (uniform() ? 1 - ridge_accuracy : 1) * job_.ridge_mm();
         std::optional<Way> next;
-        double highest = 0;
-        Eigen::Vector3d highest_at(0, 0, 0);
-        for (int attempt = 0; attempt <= most_attempts; ++attempt) {
+        Ridges ridges;
+        for (int attempt = 0; attempt <= utmost_attempts; ++attempt) {
             next = advanced(way, nodes);
             if (!next) return next;
             if (auto fine = check_length(*next); !fine) return fail(std::move(fine.error()));
-            const Ridges ridges = measured(way, index, nodes, *next, wanted);
-            highest = ridges.highest;
-            highest_at = ridges.highest_at;
-            if (!corrects || attempt == most_attempts) break;
-            const bool last = attempt + 1 == most_attempts;
+            if (auto bearable = check_work(nodes.size()); !bearable) return fail(std::move(bearable.error()));
+            ridges = measured(way, index, nodes, *next, wanted);
+            const bool borne = attempt >= most_attempts && !is_unbearable(job_, ridges.highest);
+            if (!corrects || borne || attempt == utmost_attempts) break;
+            const bool last = attempt + 1 >= most_attempts;
             if (uniform() ? !corrected_alike(nodes, ridges) : !corrected_each(nodes, ridges, last)) break;
         }
-        if (corrects)
-            if (auto kept = check_ridge(job_, highest, highest_at); !kept) return fail(std::move(kept.error()));
-        account(nodes, highest);
+        if (corrects && job_.options.leave_out)
+            out_.too_high.insert(out_.too_high.end(), ridges.too_high.begin(), ridges.too_high.end());
+        else if (corrects)
+            if (auto kept = check_ridge(job_, ridges.highest, ridges.highest_at); !kept)
+                return fail(std::move(kept.error()));
+        account(nodes, ridges.highest);
+        if (uniform()) last_step_ = uniform_step(nodes);
         parameter_ = next_parameter_;
         return next;
+    }
+
+    Result<void> check_work(std::size_t places) {
+        out_.work += places;
+        if (out_.work <= most_work) return {};
+        return too_much_work(out_.ways.size());
     }
 
     /// Ways that grow without end have run into each other's ridges, as where the tool hardly fits.
@@ -255,6 +282,7 @@ class Sweeper {
     double parameter_, next_parameter_ = parameter_;
     Sweep& out_;
     int side_ = 1;
+    double last_step_ = first_step();
     double correction_ = 1;  ///< of the pass before, where one holds for all places
 };
 

@@ -1,20 +1,59 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "trunnion/surfacing/freed_plan.hpp"
 
+#include "detail/surface_program.hpp"
+
 namespace trunnion::surfacing::detail {
 
-/// How high up the tool axis the way to each pass goes so that the tool is nowhere in the part, and the way up from the
-/// last one: one more than passes. 0: as the options say. The retract height is tried, and doubled up to 5 times.
-/// Errors: SURF0314.
-Result<std::vector<double>> free_links(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
-                                       const SurfaceOptions& options, const FreeingOptions& freeing);
+/// No point of the tool moves farther between two poses that are looked at.
+double look_mm(const Cutter& cutter);
 
-/// The same to twice the part's tolerance; 0 too where no height is free.
-std::vector<double> links_where_free(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
-                                     const SurfaceOptions& options);
+/// Into how many parts a move is divided for that.
+int looks_between(const CutterPose& from, const CutterPose& to, const Cutter& cutter, const Holder& holder);
+
+/// Looks for ways from pass to pass on which the tool is nowhere in the part; the options and the part must outlive it.
+class LinkSearch {
+  public:
+    LinkSearch(const Cutter& cutter, const PartBody& part, const SurfaceOptions& options, double tolerance_mm,
+               const Holder& holder)
+        : cutter_(cutter), part_(part), options_(options), tolerance_mm_(tolerance_mm), holder_(holder) {}
+
+    /// Over a height up the tool axis: as the options say, the retract height, and that doubled up to 5 times. `before`
+    /// or `next` may be null. Errors: SURF0314.
+    Result<Link> link(const Pass* before, const Pass* next) const;
+
+    /// That, or else round the part. Nothing where neither is free.
+    std::optional<Link> any_link(const Pass* before, const Pass* next) const;
+
+    /// Whether the tool can be pulled up its axis, by the retract height.
+    bool leaves(const CutterPose& pose) const;
+
+  private:
+    std::optional<Penetration> in_part(const Pass* before, const Pass* next, double height_mm) const;
+    std::optional<Penetration> on_way(std::span<const CutterPose> way) const;
+    std::optional<Penetration> on_straight(const CutterPose& from, const CutterPose& to) const;
+    CutterPose out_of(const CutterPose& pose, double radius_mm) const;
+    Diagnostic none_free(const Penetration& in, double height_mm) const;
+
+    const Cutter& cutter_;
+    const PartBody& part_;
+    const SurfaceOptions& options_;
+    double tolerance_mm_;
+    Holder holder_;
+};
+
+/// The way to each pass on which the tool is nowhere in the part, and the way up from the last one: one more than
+/// passes. Errors: SURF0314.
+Result<std::vector<Link>> free_links(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
+                                     const SurfaceOptions& options, const FreeingOptions& freeing);
+
+/// The same to twice the part's tolerance; as the options say too where none is free.
+std::vector<Link> links_where_free(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
+                                   const SurfaceOptions& options);
 
 }  // namespace trunnion::surfacing::detail

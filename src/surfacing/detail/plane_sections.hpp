@@ -19,6 +19,7 @@ struct SectionWay {
 struct PlaneSections {
     std::vector<SectionWay> ways;  ///< by index, then by face
     double least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;
+    std::vector<LeftPlace> too_high;  ///< with leave_out: places of ridges that nothing lowers
 };
 
 /// All ways in which parallel planes cut the faces, one job a face: the planes have the normal and the feed in the

@@ -10,13 +10,19 @@ namespace trunnion::surfacing::detail {
 /// Up the tool axis.
 CutterPose raised(const CutterPose& pose, double height_mm);
 
+/// A way between passes.
+struct Link {
+    double height_mm = 0;           ///< up the tool axis; 0: as the options say
+    std::vector<CutterPose> round;  ///< empty, or rapids from above the one pass to above the other
+};
+
 /// Whether the way from one pass to another is a short one, over the lift height.
 bool is_beside(const Pass& before, const Pass& next, const SurfaceOptions& options);
 
 /// The passes as a program: from the retract height down to each pass and up again, over the lift height between the
-/// ends of passes beside each other. `heights_mm`: how high up the way to each pass goes, and the way up from the last
-/// one, where it is above 0; empty: none is.
+/// ends of passes beside each other. `links`: the way to each pass, and up from the last one; empty: all as the options
+/// say.
 program::Program program_of(const std::vector<Pass>& passes, const SurfaceOptions& options,
-                            std::span<const double> heights_mm = {});
+                            std::span<const Link> links = {});
 
 }  // namespace trunnion::surfacing::detail

@@ -24,13 +24,16 @@ class Way {
     geometry::SurfacePlace place(double s) const noexcept;
     Eigen::Vector2d slope(double s) const noexcept;  ///< (du/ds, dv/ds)
 
-    /// s of the point of the polyline that is nearest to a point.
-    double nearest(const Eigen::Vector3d& point) const noexcept;
+    /// s of the point of the polyline that is nearest to a place of the surface and as near on the surface as it is in
+    /// space: not beyond a seam, nor on the other side of a thin edge. Nothing where there is none.
+    std::optional<double> nearest(const geometry::SurfacePlace& from,
+                                  const geometry::SurfaceShape& shape) const noexcept;
 
     /// Distance of a point from that polyline, mm.
     double distance_mm(const Eigen::Vector3d& point) const noexcept;
 
-    /// The same curve through places at equal distances of about `spacing`.
+    /// The same curve through places at equal distances of about `spacing`, and closer where the surface turns more
+    /// than 0.2 rad from one to the next, as round an edge that is sharper than the spacing.
     Way resampled(const geometry::BsplineSurface& surface, double spacing) const;
 
   private:
@@ -38,12 +41,28 @@ class Way {
     struct Foot {
         double s, squared;
     };
-    Foot foot_of(const Eigen::Vector3d& point) const noexcept;
+    /// A ball round some steps of the polyline, so that feet are looked for near a point alone.
+    struct Stretch {
+        Eigen::Vector3d middle;
+        double radius;
+        std::size_t begin, end;  ///< of its steps
+    };
+    /// Where a way is looked at, and the surface's normal there.
+    struct End {
+        double s;
+        std::optional<Eigen::Vector3d> normal;
+    };
+    void close(const geometry::BsplineSurface& surface, const End& from, const End& to, int depth,
+               std::vector<geometry::SurfacePlace>& out) const;
+    void gather();
+    template <class Accept>
+    Foot foot_of(const Eigen::Vector3d& point, const Accept& accept) const noexcept;
     Piece piece_at(double s) const noexcept;
     Eigen::Vector2d slope_at_node(std::size_t i) const noexcept;
     std::vector<geometry::SurfacePlace> places_;
     std::vector<Eigen::Vector3d> points_;
     std::vector<double> lengths_;
+    std::vector<Stretch> stretches_;
 };
 
 /// A tool on a way.

@@ -22,9 +22,16 @@ struct SurfaceFreeing {
     surfacing::Holder holder{};
 };
 
+/// What parts of passes are left out for: faces and holder that the tool must not be in.
+struct SurfaceLeaving {
+    std::vector<surfacing::Face> others;  ///< of the part, beside the faces that are machined
+    surfacing::Holder holder{};
+};
+
 struct SurfaceProgramOptions {
     surfacing::SurfaceOptions passes;
     std::optional<SurfaceFreeing> freeing;  ///< none: the plan stays as it is, gouging or not
+    std::optional<SurfaceLeaving> leaving;  ///< with passes.leave_out; not together with freeing
     bool splines = false;                   ///< every pass one dual spline; else straight moves
     std::string tool_name;                  ///< called before the first move; empty: the program names none
     double spindle_rad_s = 0;               ///< 0: the program does not say
@@ -53,6 +60,12 @@ struct FreedAccount {
     double highest_link_mm = 0;
 };
 
+/// What leaving parts of passes out came to; see surfacing::ReachedPlan.
+struct LeftAccount {
+    double way_mm = 0, deepest_mm = 0;
+    std::size_t passes_lost = 0;
+};
+
 /// A finished surface program, and how it leads the tool.
 struct SurfaceResult {
     /// Its program is the one to write; its passes are what the program does: with splines the poses are theirs, at the
@@ -61,6 +74,7 @@ struct SurfaceResult {
     std::size_t contacts = 0;  ///< of the planner
     std::optional<SplineAccount> splines;
     std::optional<FreedAccount> freed;
+    std::optional<LeftAccount> left;
 };
 
 /// Plans the finishing of faces as one region (surfacing::plan_region) and makes a program of it.
@@ -76,7 +90,11 @@ struct SurfaceResult {
 /// deeper than the gouge tolerance (surfacing::free_of_gouges) in machined and other faces. Simulate the
 /// result: ridges of tools that are no balls change with the lean.
 ///
-/// The program is in the workpiece, law vector. Errors: those of surfacing::plan_region and free_of_gouges; Told in the
+/// Leaving: the parts of passes where the tool would be in machined or other faces by more than the gouge tolerance are
+/// cut away (surfacing::leave_out_gouges). What of the faces stays as it is, the simulation says.
+///
+/// The program is in the workpiece, law vector. Errors: those of surfacing::plan_region, free_of_gouges and
+/// leave_out_gouges; PIPE0119 freeing and leaving both. Told in the
 /// program's diagnostics: PIPE0114 passes that stay straight moves. Cost: that of plan_region, with splines three times
 /// its contacts and some 50 µs for each.
 Result<SurfaceResult> make_surface_program(std::span<const surfacing::Face> faces, const surfacing::Cutter& cutter,
@@ -90,9 +108,9 @@ struct SurfacePartCheck {
     int in_part_face = 0;  ///< its face by number
 };
 
-/// Asks of every move, at poses between which no point of the tool goes farther than 1 mm, how deep tool and holder are
-/// in the part, the tool up to Cutter::reach_mm: PartBody to 5 µm; depths up to the gouge tolerance and these pass.
-/// Errors: those of PartBody::make. Cost: 10 µs a pose.
+/// Asks of every move, at poses between which no point of the tool goes farther than 1 mm or 2 % of its radius, how
+/// deep tool and holder are in the part, the tool up to Cutter::reach_mm: PartBody to 5 µm or half the gouge tolerance;
+/// depths up to the gouge tolerance and these pass. Errors: those of PartBody::make. Cost: 10 µs a pose.
 Result<SurfacePartCheck> check_part(std::span<const surfacing::Face> part, const surfacing::Cutter& cutter,
                                     const SurfaceResult& made, double gouge_tolerance_mm,
                                     const surfacing::Holder& holder = {});
@@ -106,9 +124,9 @@ struct SurfaceCheck : SurfacePartCheck {
 };
 
 /// Simulates the passes on their faces (surfacing::check_region), with what is allowed, and check_part(): in all faces
-/// of the part, also those that are not machined. Without passes along the borders strips remain beside them: then only
-/// ridges between passes count.
-/// Errors: those of PartBody::make. Cost: that of check_region and check_part.
+/// of the part, also those that are not machined. Of plans with places left out the rest of the faces counts. Without
+/// passes along the borders strips remain beside them: then only ridges between passes count. Errors: those of
+/// PartBody::make. Cost: that of check_region and check_part.
 Result<SurfaceCheck> check_surface_program(std::span<const surfacing::Face> faces,
                                            std::span<const surfacing::Face> part, const surfacing::Cutter& cutter,
                                            const SurfaceResult& made, const surfacing::SurfaceOptions& allowed,

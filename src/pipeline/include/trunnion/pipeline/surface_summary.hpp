@@ -21,6 +21,7 @@ struct SurfaceSummary {
     double cut_length_mm = 0, least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;  ///< as planned
     std::optional<SplineAccount> splines;
     std::optional<FreedAccount> freed;
+    std::optional<LeftAccount> left;
     std::string part_file;                 ///< of faces of the part that are not in the surface's file
     std::optional<SurfacePartCheck> part;  ///< none: not looked at
     std::optional<SurfaceCheck> check;     ///< none: not simulated
@@ -35,8 +36,8 @@ struct SurfaceSummary {
 std::string report(const SurfaceSummary& summary);
 
 /// For programs: `surface, faces_in_file, faces[], tool, strategy, scallop_mm, chord_tolerance_mm, gouge_tolerance_mm,
-/// passes, contacts, moves, cut_length_mm, interval_mm, highest_ridge_mm, splines, freed, part, check, usable,
-/// diagnostics[]`; splines, freed, part and check are null where there are none.
+/// passes, contacts, moves, cut_length_mm, interval_mm, highest_ridge_mm, splines, freed, left, part, check, usable,
+/// diagnostics[]`; splines, freed, left, part and check are null where there are none.
 std::string to_json(const SurfaceSummary& summary);
 
 /// The faces of a file as a table, a line each.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -68,13 +69,18 @@ struct SurfaceVerdict {
     /// bounds the interval, are `at_reach` and count for the largest one alone.
     double least_ridge_mm = 0, largest_ridge_mm = 0, median_ridge_mm = 0;
     std::size_t ridges = 0, at_reach = 0;
-    std::size_t heights = 0;  ///< places of the grid within the face, and along its borders
+    double left_mm2 = 0, area_mm2 = 0;  ///< higher than left_above_mm near places left out; all, both by the grid
+    std::size_t heights = 0;            ///< places of the grid within the face, and along its borders
 };
 
 struct SurfaceCheckOptions {
     double grid_mm = 1;           ///< spacing of heights all over the face and along its borders
     double ridge_spacing_mm = 2;  ///< along passes, of the places where ridges are looked for
     double limit_mm = 0.1;        ///< heights are not told apart beyond
+    /// Places that the plan leaves as they are: what is within `left_reach_mm` of one counts neither as left nor as a
+    /// ridge, but for its area. What is cut too deep counts everywhere.
+    std::span<const LeftPlace> left = {};
+    double left_reach_mm = 1, left_above_mm = 0.01;
 };
 
 /// Measures a plan on its face: heights on a grid all over it and at some distances from its borders, and from places

@@ -61,6 +61,9 @@ class PartBody {
     double signed_distance_mm(const Eigen::Vector3d& point_mm) const;
 
     double tolerance_mm() const noexcept { return tolerance_; }
+    /// A ball that holds all of it.
+    const Eigen::Vector3d& middle_mm() const noexcept { return boxes_.front().middle; }
+    double radius_mm() const noexcept { return boxes_.front().half.norm(); }
     std::size_t triangles() const noexcept { return triangles_.size(); }
 
   private:

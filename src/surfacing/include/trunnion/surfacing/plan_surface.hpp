@@ -29,9 +29,12 @@ struct SurfaceOptions {
     double gouge_tolerance_mm = 0.001;   ///< how deep the tool's body may cut into the surface round its contact
     /// constant_scallop and parallel_planes: direction of the feed in the face's middle, from S_u towards S_v.
     double feed_angle_rad = 0;
-    double lead_rad = 0;         ///< axis leaning from the normal towards the feed
-    double tilt_rad = 0;         ///< axis leaning across the feed, the same way in passes to and fro
-    bool zigzag = true;          ///< every second pass backwards; else all in one direction
+    double lead_rad = 0;  ///< axis leaning from the normal towards the feed
+    double tilt_rad = 0;  ///< axis leaning across the feed, the same way in passes to and fro
+    bool zigzag = true;   ///< every second pass backwards; else all in one direction
+    /// Places that the tool does not fit into, or where it would cut too deep, do not refuse the plan but are told:
+    /// such a plan gouges, until leave_out_gouges() has cut those parts of passes away.
+    bool leave_out = false;
     bool borders = true;         ///< a pass along every border as well, so that no strip is left beside it
     double lift_mm = 1;          ///< up the tool axis between neighbouring passes to and fro
     double retract_mm = 20;      ///< up the tool axis for rapids
@@ -53,11 +56,18 @@ struct Pass {
     int index = 0;                  ///< passes of neighbouring indices run beside each other; −1: along a border
 };
 
+/// A place of a face that a plan leaves as it is.
+struct LeftPlace {
+    Eigen::Vector3d at_mm;
+    int face = 0;  ///< of the faces planned together, from 0
+};
+
 struct SurfacePlan {
     std::vector<Pass> passes;
     double cut_length_mm = 0;                               ///< of the contacts' polylines
     double least_interval_mm = 0, largest_interval_mm = 0;  ///< between passes, within the face
     double highest_ridge_mm = 0;                            ///< between passes as planned, within the face
+    std::vector<LeftPlace> left;                            ///< with leave_out: where ridges stay too high
     program::Program program;                               ///< all passes with their links: law vector, one tool
 };
 
@@ -75,7 +85,8 @@ struct SurfacePlan {
 /// Errors: SURF0202 an option out of range (it is named), SURF0203 the surface is hollower than the tool is round: the
 /// value is its radius there, which a ball or corner radius must not exceed; SURF0204 the tool's body, away from its
 /// contact, cuts deeper than `gouge_tolerance_mm`; SURF0205 the face has no normal where passes begin or no pass
-/// crosses it; SURF0206 more than 20 000 passes; SURF0208 passes wind up instead of crossing the face; SURF0209 a ridge
+/// crosses it; SURF0206 more than 20 000 passes, or ridges to be measured at more than
+/// 600 000 places, some minutes of work; SURF0208 passes wind up instead of crossing the face; SURF0209 a ridge
 /// stays more than a fifth above the scallop however close the passes are; SURF0210 passes do not get to a place of the
 /// face. Cost: some 10 µs a contact and 200 µs for each place of a pass, which are up to 2 mm apart.
 Result<SurfacePlan> plan_surface(const Face& face, const Cutter& cutter, const SurfaceOptions& options);

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "trunnion/base/result.hpp"
+#include "trunnion/surfacing/part_body.hpp"
+#include "trunnion/surfacing/plan_surface.hpp"
+
+namespace trunnion::surfacing {
+
+struct LeavingOptions {
+    double tolerance_mm = 0.01;  ///< depths up to it are no gouges; at least twice the part's tolerance
+    Holder holder{};
+};
+
+/// A plan whose tool is nowhere in the part, and what that took.
+struct ReachedPlan {
+    SurfacePlan plan;             ///< SurfacePlan::left: places of all that was cut away, too
+    double left_way_mm = 0;       ///< of passes, that was cut away
+    double deepest_mm = 0;        ///< where the tool first would be in the part, of all passes
+    std::size_t passes_lost = 0;  ///< of which nothing is left
+};
+
+/// Cuts away the parts of passes where the tool would be in the part, to 0.01 mm along the pass, and lays the links
+/// anew: over the lift height, over the retract height, doubled up to 5 times, or round the part, in a ball that holds
+/// it, from one end of a pass to the next one. Ends of passes that the tool does not get to or away from are cut back.
+/// Contacts that stay are not moved.
+///
+/// `plan`: of SurfaceOptions::leave_out. `part`: of the faces of the plan first, in their order, then of any others.
+/// Errors: SURF0301 an option out of range; SURF0315 nothing is left of the plan. Cost: 5-20 µs a pose.
+Result<ReachedPlan> leave_out_gouges(SurfacePlan plan, std::span<const Face> faces, const Cutter& cutter,
+                                     const PartBody& part, const SurfaceOptions& options,
+                                     const LeavingOptions& leaving = {});
+
+}  // namespace trunnion::surfacing
