@@ -19,6 +19,8 @@ def command_line(words, out):
         return [*words, '-o', f'{out}/q.csv', '--summary', f'{out}/s.json']
     if words[0] in ('convert', 'smooth', 'deform'):
         return [*words, '-o', f'{out}/p.nc']
+    if words[0] == 'play':
+        return [*words, '-o', f'{out}/rows.csv']
     if words[0] == 'predict':
         return [*words, '--summary', f'{out}/s.json', '--samples', f'{out}/p.csv']
     if words[0] == 'report':
