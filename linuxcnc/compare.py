@@ -100,6 +100,26 @@ def programs(shared):
 
 # --- inside LinuxCNC, as its user interface
 
+def take_step(linuxcnc, command, what):
+    """pause, resume, abort, override SHARE, mdi BLOCK, kill: what an operator does, and what happens to a planner."""
+    word, _, rest = what.partition(' ')
+    if word == 'pause':
+        command.auto(linuxcnc.AUTO_PAUSE)
+    elif word == 'resume':
+        command.auto(linuxcnc.AUTO_RESUME)
+    elif word == 'abort':
+        command.abort()
+        command.wait_complete(10)
+    elif word == 'override':
+        command.feedrate(float(rest))
+    elif word == 'mdi':
+        command.mode(linuxcnc.MODE_MDI)
+        command.wait_complete()
+        command.mdi(rest)
+    elif word == 'kill':
+        subprocess.run(['pkill', '-9', '-f', 'trunnion serve'])
+
+
 def interface(folder):
     import hal
     import linuxcnc
@@ -131,8 +151,11 @@ def interface(folder):
         command.program_open(wanted['program'])
         hal.set_p('sampler.0.enable', '1')
         command.auto(linuxcnc.AUTO_RUN, 0)
-        started, end = False, time.monotonic() + wanted['seconds']
-        while time.monotonic() < end:
+        started, begin = False, time.monotonic()
+        steps = wanted.get('steps', [])
+        while time.monotonic() < begin + wanted['seconds']:
+            while steps and time.monotonic() > begin + steps[0][0]:
+                take_step(linuxcnc, command, steps.pop(0)[1])
             while record.readable:
                 rows.append(record.read())
             stat.poll()
@@ -140,7 +163,8 @@ def interface(folder):
             message = errors.poll()
             if message:
                 said.append(str(message[1]))
-            if stat.task_state != linuxcnc.STATE_ON or started and stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos:
+            idle = started and stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos
+            if stat.task_state != linuxcnc.STATE_ON or idle and not steps:
                 break
             time.sleep(0.01)
         time.sleep(0.1)
@@ -201,11 +225,11 @@ def leave_no_process(session):
         time.sleep(1)
 
 
-def run(folder, trunnion, machine, planner, program, seconds):
+def run(folder, trunnion, machine, planner, program, seconds, steps=()):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     ini = configure(folder, trunnion, machine, planner)
-    (folder / 'wanted.json').write_text(json.dumps({'program': str(program), 'seconds': seconds}))
+    (folder / 'wanted.json').write_text(json.dumps({'program': str(program), 'seconds': seconds, 'steps': list(steps)}))
     subprocess.run(['chown', '-R', USER, folder], check=True)
     while LOCK.exists():
         time.sleep(2)
@@ -272,6 +296,21 @@ def write_table(table, output):
     pathlib.Path(output).write_text(page[:begin] + '<!-- table -->\n' + '\n'.join(text) + '\n' + page[end:])
 
 
+def absent():
+    return os.getuid() != 0 or not shutil.which('linuxcnc') or not shutil.which('halcompile')
+
+
+def prepare(trunnion, shared):
+    """A folder that LinuxCNC's user can read, with program and machine; the module is compiled and installed."""
+    folder = pathlib.Path(tempfile.mkdtemp(prefix='trunnion-compare-'))
+    folder.chmod(0o755)
+    shutil.copytree(HERE, folder / 'linuxcnc')
+    subprocess.run(['halcompile', '--install', 'trunnion_tp.c'], cwd=folder / 'linuxcnc' / 'tpmod', check=True, stdout=subprocess.DEVNULL)
+    if subprocess.run(['id', USER], capture_output=True).returncode:
+        subprocess.run(['useradd', '-m', USER], check=True)
+    return folder, shutil.copy(trunnion, folder / 'trunnion'), shutil.copy(shared / 'data' / 'cases' / 'peer-trunnion.toml', folder)
+
+
 def main():
     if sys.argv[1:2] == ['--interface']:
         return interface(pathlib.Path(sys.argv[2]))
@@ -284,16 +323,10 @@ def main():
     words.add_argument('--seconds', type=float, default=600, help='of one run')
     words.add_argument('-o', '--output', help='page with a table between <!-- table --> and <!-- end of table -->')
     args = words.parse_args()
-    if os.getuid() != 0 or not shutil.which('linuxcnc') or not shutil.which('halcompile'):
+    if absent():
         print('needed: root, linuxcnc-uspace and linuxcnc-uspace-dev')
         return 77
-    folder = pathlib.Path(tempfile.mkdtemp(prefix='trunnion-compare-'))
-    folder.chmod(0o755)
-    trunnion = shutil.copy(args.trunnion, folder / 'trunnion')
-    shutil.copytree(HERE, folder / 'linuxcnc')
-    subprocess.run(['halcompile', '--install', 'trunnion_tp.c'], cwd=folder / 'linuxcnc' / 'tpmod', check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(['id', USER], capture_output=True).returncode and subprocess.run(['useradd', '-m', USER], check=True)
-    machine = shutil.copy(args.shared / 'data' / 'cases' / 'peer-trunnion.toml', folder)
+    folder, trunnion, machine = prepare(args.trunnion, args.shared)
     hasty = folder / 'hasty.toml'
     hasty.write_text(re.sub(r'(max_jerk = ")(\d+)', lambda m: f'{m[1]}{100 * int(m[2])}', pathlib.Path(machine).read_text()))
     build_warp(folder, args.shared)

@@ -18,6 +18,7 @@ using surfacing::Penetration;
 namespace {
 
 constexpr double ridge_slack = 1.005;
+constexpr double most_left = 0.5;   ///< of the area
 constexpr double body_error = 1.1;  ///< of depths, in body tolerances
 
 double body_tolerance_mm(double gouge_tolerance_mm) {
@@ -82,11 +83,6 @@ std::optional<Penetration> deepest_in_part(const PartBody& body, const Cutter& c
     return depths.deepest();
 }
 
-/// How far from a place that is left out the neighbouring passes would not cut.
-double left_reach_mm(const surfacing::SurfacePlan& plan, const Cutter& cutter) {
-    return std::max(plan.largest_interval_mm, 0.1 * cutter.radius_mm());
-}
-
 }  // namespace
 
 Result<SurfacePartCheck> check_part(std::span<const Face> part, const Cutter& cutter, const SurfaceResult& made,
@@ -110,13 +106,13 @@ Result<SurfaceCheck> check_surface_program(std::span<const Face> faces, std::spa
     looking.ridge_spacing_mm = std::max(looking.ridge_spacing_mm, 0.2 * cutter.radius_mm());
     looking.left = made.plan.left;
     looking.left_above_mm = ridge_slack * allowed.scallop_mm;
-    looking.left_reach_mm = left_reach_mm(made.plan, cutter);
     SurfaceCheck out{*in_part, surfacing::check_region(faces, cutter, made.plan.passes, looking)};
     const auto& verdict = out.verdict;
     const double highest_mm =
         allowed.borders ? std::max(verdict.highest_mm, verdict.largest_ridge_mm) : verdict.largest_ridge_mm;
     out.ridges_hold = highest_mm <= ridge_slack * allowed.scallop_mm;
     out.surface_holds = verdict.deepest_mm <= allowed.gouge_tolerance_mm;
+    out.mostly_left = verdict.left_mm2 > most_left * verdict.area_mm2;
     return out;
 }
 

@@ -20,9 +20,12 @@ using feed::LivePlanner;
 // for the reach of some bumps: so much of both ends is not used, in way and in moves.
 constexpr double reach_mm = 22;
 constexpr std::size_t reach_moves = 4;
-constexpr double margin_mm = 8;             // more of the begin, so that there are places for the joint
-constexpr double largest_gap = 1e-5;        // of two smoothings: beyond, they are not the same curve
-constexpr std::size_t between_trials = 50;  // periods
+constexpr double margin_mm = 8;       // more of the begin, so that there are places for the joint
+constexpr double largest_gap = 1e-5;  // of two smoothings: beyond, they are not the same curve
+constexpr std::size_t most_moves =
+    500;  // that are taken up at once, and that the way is known ahead of the present place
+constexpr std::size_t between_trials = 50;  // periods; twice as many after each trial that failed
+constexpr int most_doublings = 5;
 constexpr double largest_override = 2;
 
 }  // namespace
@@ -75,6 +78,7 @@ class QueueMotion::State {
     path::PathPlace standstill_;
     LiveRow row_;
     std::size_t plans_ = 0, ticks_ = 0, next_trial_ = 0;
+    int failed_trials_ = 0;  // in a row
     double override_ = 1;
     bool held_ = false;
 };
@@ -125,6 +129,7 @@ Result<void> QueueMotion::State::take_up() {
     if (not_taken_up() == 0) return {};
     if (!now_.planner && next_.empty()) return enough_to_begin() ? make_legs(taken_up_ + 1) : Result<void>();
     if (!closed_ && not_taken_up() < options_.moves_to_go_on) return {};
+    if (way_.moves_behind(row_.line) - not_taken_up() > most_moves) return {};
     if (!next_.empty()) return make_legs(next_.back().open ? next_.back().first : taken_up_ + 1);
     if (!now_.leg.open) return make_legs(taken_up_ + 1);
     return ticks_ < next_trial_ ? Result<void>() : lengthen();
@@ -132,19 +137,21 @@ Result<void> QueueMotion::State::take_up() {
 
 /// From `first` on: a leg that begins there is made anew.
 Result<void> QueueMotion::State::make_legs(std::int32_t first) {
-    auto legs = way_.legs_from(first);
+    const std::int32_t last = way_.behind(taken_up_, most_moves);
+    auto legs = way_.legs_of(first, last);
     if (!legs) return fail(legs.error());
     if (!next_.empty() && next_.back().first == first) next_.pop_back();
     for (Leg& leg : *legs) next_.push_back(std::move(leg));
-    taken_up_ = way_.last_number();
+    taken_up_ = last;
     return {};
 }
 
 /// The present leg with what has come behind it.
 Result<void> QueueMotion::State::lengthen() {
-    next_trial_ = ticks_ + between_trials;
+    next_trial_ = ticks_ + (between_trials << std::min(failed_trials_++, most_doublings));
     const std::int32_t from = std::max(way_.before(row_.line, reach_moves, reach_mm + margin_mm), now_.leg.first);
-    auto legs = way_.legs_from(from);
+    const std::int32_t last = way_.behind(taken_up_, most_moves);
+    auto legs = way_.legs_of(from, last);
     if (!legs) return fail(legs.error());
     const auto behind = std::ranges::find_if(*legs, [this](const Leg& leg) { return leg.last > now_.leg.last; });
     if (behind == legs->end()) return {};
@@ -157,7 +164,8 @@ Result<void> QueueMotion::State::lengthen() {
         next_.assign(std::make_move_iterator(behind), std::make_move_iterator(legs->end()));
         now_.leg.open = false;
     }
-    taken_up_ = way_.last_number();
+    taken_up_ = last;
+    failed_trials_ = 0;
     way_.drop_before(from);
     return {};
 }
@@ -193,8 +201,8 @@ Result<bool> QueueMotion::State::join(const Leg& anew) {
     while (is.blocks[blocks_behind].end_mm <= is.pieces[where->from_piece].begin_mm) ++blocks_behind;
     auto stretch = Stretch::make(std::move(*path), machine_, {}, anew.stretch->part);
     if (!stretch) return fail(stretch.error());
-    auto planner =
-        now_.planner->gone_on_along(*(*stretch)->axis_path, options_.plan.feed, where->from_piece, blocks_behind);
+    const feed::SamePath same{where->from_piece, blocks_behind, where->at_piece - where->from_piece};
+    auto planner = now_.planner->gone_on_along(*(*stretch)->axis_path, options_.plan.feed, same);
     if (!planner) return fail(planner.error());
     if (!*planner) return false;
     if (!before_) before_ = std::move(now_);
@@ -213,6 +221,7 @@ Result<bool> QueueMotion::State::begin_leg() {
     now_.planner = std::move(*planner);
     pass_on_commands();
     next_trial_ = ticks_;
+    failed_trials_ = 0;
     return true;
 }
 

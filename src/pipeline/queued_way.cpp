@@ -97,7 +97,7 @@ bool QueuedWay::stands_between(const QueuedMove& move, const QueuedMove& next) c
     return move.exact_stop || next.stop_first || tolerance_of(move) != tolerance_of(next);
 }
 
-program::Program QueuedWay::program_from(std::size_t first) const {
+program::Program QueuedWay::program_of(std::size_t first, std::size_t end) const {
     program::Program out;
     for (int i = machine_->linear_count(); i < machine_->axis_count; ++i)
         out.rotary_letters.push_back(machine_->axes[i].letter);
@@ -109,7 +109,7 @@ program::Program QueuedWay::program_from(std::size_t first) const {
         return move;
     };
     add(begin_of(first));
-    for (std::size_t k = first; k < moves_.size(); ++k) {
+    for (std::size_t k = first; k < end; ++k) {
         const QueuedMove& from = moves_[k];
         program::Move& move = add(from.end);
         move.feed = from.feed;
@@ -123,12 +123,17 @@ program::Program QueuedWay::program_from(std::size_t first) const {
     return out;
 }
 
-Result<std::vector<Leg>> QueuedWay::legs_from(std::int32_t first) const {
+std::int32_t QueuedWay::behind(std::int32_t number, std::size_t moves) const {
+    const std::size_t index = index_of(number + 1) + moves;
+    return index <= moves_.size() && index > 0 ? moves_[index - 1].number : last_number();
+}
+
+Result<std::vector<Leg>> QueuedWay::legs_of(std::int32_t first, std::int32_t last) const {
     std::vector<Leg> out;
-    const std::size_t index = index_of(first);
-    if (index >= moves_.size()) return out;
+    const std::size_t index = index_of(first), end = index_of(last + 1);
+    if (index >= end) return out;
     const auto holder = std::make_shared<Holder>();
-    holder->program = program_from(index);
+    holder->program = program_of(index, end);
     auto stands = path::choose_rotary_stands(holder->program, *machine_, setup_);
     if (!stands) return fail(stands.error());
     holder->stands = std::move(*stands);
@@ -150,8 +155,8 @@ Result<std::vector<Leg>> QueuedWay::legs_from(std::int32_t first) const {
             leg.stretch = std::move(*stretch);
             out.push_back(std::move(leg));
         }
-        const bool last = run.blocks.back().line == last_number();
-        out.back().open = last && !run.rapid && !moves_.back().exact_stop;
+        const bool is_last = run.blocks.back().line == moves_[end - 1].number;
+        out.back().open = is_last && !run.rapid && !holder->program.moves.back().exact_stop;
     }
 }
 

@@ -241,7 +241,8 @@ Result<SurfaceResult> planned_within_reach(std::span<const Face> faces, const Cu
     if (!reached) return fail(reached.error());
     SurfaceResult out{.left = LeftAccount{.way_mm = reached->left_way_mm,
                                           .deepest_mm = reached->deepest_mm,
-                                          .passes_lost = reached->passes_lost}};
+                                          .passes_lost = reached->passes_lost,
+                                          .ridges_too_high = reached->ridges_too_high}};
     out.plan = std::move(reached->plan);
     return out;
 }

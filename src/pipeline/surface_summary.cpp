@@ -52,6 +52,8 @@ std::string verdict_text(const SurfaceSummary& s) {
     if (s.check && !s.check->surface_holds)
         out += fmt::format("{}the surface is cut deeper than {:g} um", out.empty() ? "" : "; ",
                            um * s.options.gouge_tolerance_mm);
+    if (s.check && s.check->mostly_left)
+        out += fmt::format("{}more than half of the area is left out", out.empty() ? "" : "; ");
     if (s.part && s.part->in_part)
         out += fmt::format("{}the tool goes into the part{}", out.empty() ? "" : "; ",
                            s.freed || s.left ? "" : " (--free-gouges leans it out, --leave-out leaves those places)");
@@ -103,10 +105,14 @@ double left_share(const surfacing::SurfaceVerdict& v) {
 }
 
 void add_left(ReportLines& lines, const SurfaceSummary& s) {
-    if (s.left->way_mm == 0 && s.left->passes_lost == 0) return lines.add("left out", "nothing");
+    const LeftAccount& left = *s.left;
+    if (left.way_mm == 0 && left.passes_lost == 0 && left.ridges_too_high == 0) return lines.add("left out", "nothing");
     lines.add("left out", fmt::format("{:.1f} mm of passes, {} passes altogether; the tool would go {:.4g} mm into "
                                       "the part",
-                                      s.left->way_mm, s.left->passes_lost, s.left->deepest_mm));
+                                      left.way_mm, left.passes_lost, left.deepest_mm));
+    if (left.ridges_too_high > 0)
+        lines.add(
+            "", fmt::format("at {} places beside passes no distance of them keeps the scallop", left.ridges_too_high));
     if (s.check) lines.add("", fmt::format("{:.2f} % of the area is left", 100 * left_share(s.check->verdict)));
 }
 
@@ -183,7 +189,10 @@ ordered_json freed_json(const FreedAccount& freed) {
 }
 
 ordered_json left_json(const LeftAccount& left) {
-    return {{"way_mm", left.way_mm}, {"deepest_mm", left.deepest_mm}, {"passes_lost", left.passes_lost}};
+    return {{"way_mm", left.way_mm},
+            {"deepest_mm", left.deepest_mm},
+            {"passes_lost", left.passes_lost},
+            {"ridges_too_high", left.ridges_too_high}};
 }
 
 ordered_json check_json(const SurfaceCheck& check) {

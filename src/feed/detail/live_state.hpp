@@ -37,7 +37,7 @@ class LivePlanner::State {
     LiveState ahead(std::size_t periods) const { return state_at(static_cast<double>(ticks_ + periods) * period_s_); }
     void stand_at(PathPlace place);
     /// Takes over what another one does, on a path that is the same here; false: it cannot.
-    Result<bool> go_on_from(const State& other, std::size_t pieces_behind, std::size_t blocks_behind);
+    Result<bool> go_on_from(const State& other, const SamePath& same);
 
   private:
     using ProfilePiece = motion::ProfilePiece;
@@ -107,6 +107,7 @@ class LivePlanner::State {
     std::size_t block_at(double p_mm) const;
     PathPlace block_end(std::size_t block) const;
 
+    bool take_over(const State& other, const SamePath& same);
     Result<void> follow();
     Result<void> restart(double begin_s);
     Result<void> stop(const Branch& branch);

@@ -35,8 +35,10 @@ class QueuedWay {
     /// Moves before this one do not matter any more.
     void drop_before(std::int32_t number);
 
-    /// The stretches of the moves from `first` on. Errors: those of path building, with the move's number as line.
-    Result<std::vector<Leg>> legs_from(std::int32_t first) const;
+    /// The move so many behind this one, or the last one.
+    std::int32_t behind(std::int32_t number, std::size_t moves) const;
+    /// The stretches of the moves `first` … `last`. Errors: those of path building, with the move's number as line.
+    Result<std::vector<Leg>> legs_of(std::int32_t first, std::int32_t last) const;
 
     const QueuedPose& end() const { return moves_.empty() ? begin_ : moves_.back().end; }
 
@@ -45,7 +47,7 @@ class QueuedWay {
     const QueuedPose& begin_of(std::size_t index) const { return index == 0 ? begin_ : moves_[index - 1].end; }
     double tolerance_of(const QueuedMove& move) const;
     bool stands_between(const QueuedMove& move, const QueuedMove& next) const;
-    program::Program program_from(std::size_t first) const;
+    program::Program program_of(std::size_t first, std::size_t end) const;
 
     const machine::Machine* machine_;
     machine::Setup setup_;

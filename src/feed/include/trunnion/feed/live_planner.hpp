@@ -25,6 +25,12 @@ struct LiveState {
     std::size_t block = 0;                                          ///< index in ToolPath::blocks
 };
 
+/// How a path that leads farther belongs to the present one: its piece k is piece k + pieces_behind, its block k is block
+/// k + blocks_behind, and its first `same_pieces` pieces are the same.
+struct SamePath {
+    std::size_t pieces_behind = 0, blocks_behind = 0, same_pieces = 0;
+};
+
 /// Moves along one stretch under the operator's commands, one call a control period, planning ahead by windows.
 ///
 /// The plan in hand is always a complete, checked motion to standstill. A command changes it from the state two periods
@@ -86,15 +92,12 @@ class LivePlanner {
     void stand_at(path::PathPlace place);
 
     /// This motion, gone on along another path: one that is the same around the present place and leads farther, as
-    /// where blocks were added to the end of a queue while the first ones are being run. Piece k of it is piece
-    /// k + `pieces_behind` of the present one, block k is block k + `blocks_behind`; the caller knows that both are the
-    /// same from the present piece to the one in which the machine is two periods from now, and where both differ by
-    /// rounding, setpoints jump by as much. The plan in hand stays up to two periods ahead, from there on the motion
-    /// is planned towards the new end.
+    /// where blocks were added to the end of a queue while the first ones are being run. The plan in hand stays up to a
+    /// place at least two periods ahead, from there on the motion is planned towards the new end.
     /// None where there is no such plan, or the motion is about to change, waits or stands: this one goes on as it
-    /// would. `other` must outlive what comes back. Cost: as make(), and a window. Errors: as make().
+    /// would. `other` must outlive what comes back. Cost: as make(), and a window or two. Errors: as make().
     Result<std::optional<LivePlanner>> gone_on_along(const path::AxisPath& other, const FeedOptions& options,
-                                                     std::size_t pieces_behind, std::size_t blocks_behind) const;
+                                                     const SamePath& same) const;
 
   private:
     class State;

@@ -63,7 +63,7 @@ struct FreedAccount {
 /// What leaving parts of passes out came to; see surfacing::ReachedPlan.
 struct LeftAccount {
     double way_mm = 0, deepest_mm = 0;
-    std::size_t passes_lost = 0;
+    std::size_t passes_lost = 0, ridges_too_high = 0;
 };
 
 /// A finished surface program, and how it leads the tool.
@@ -120,11 +120,13 @@ struct SurfaceCheck : SurfacePartCheck {
     surfacing::SurfaceVerdict verdict;
     bool ridges_hold = false;    ///< nothing is left higher than the scallop, to 0.5 %
     bool surface_holds = false;  ///< nothing is cut deeper than the gouge tolerance
-    bool usable() const noexcept { return ridges_hold && surface_holds && !in_part; }
+    bool mostly_left = false;    ///< more than half of the faces' area is left out
+    bool usable() const noexcept { return ridges_hold && surface_holds && !in_part && !mostly_left; }
 };
 
 /// Simulates the passes on their faces (surfacing::check_region), with what is allowed, and check_part(): in all faces
-/// of the part, also those that are not machined. Of plans with places left out the rest of the faces counts. Without
+/// of the part, also those that are not machined. Of plans with places left out the rest of the faces counts, which
+/// must be half of their area at the least. Without
 /// passes along the borders strips remain beside them: then only ridges between passes count. Errors: those of
 /// PartBody::make. Cost: that of check_region and check_part.
 Result<SurfaceCheck> check_surface_program(std::span<const surfacing::Face> faces,
