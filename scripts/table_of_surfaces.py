@@ -1,9 +1,9 @@
 """Plans and simulates faces of all STEP and IGES files of a folder and writes what came of it as Markdown.
 
-    nice -n 10 /usr/bin/python3 scripts/table_of_surfaces.py TRUNNION FOLDER > docs/surfaces-planned.md
+    nice -n 10 /usr/bin/python3 scripts/table_of_surfaces.py TRUNNION FOLDER [FILE…] > docs/surfaces-planned.md
 
-Of each file the first FACES faces that are curved, or else the first ones. Balls are shares of the face's width, the
-root of its area; the scallop is such that some PASSES passes are as wide as the face; all that is asked stands in the
+Of each file, or of those that are named, the first FACES faces that are curved, or else the first ones. Balls are shares of the face's width, the
+root of its area; the scallop is such that some PASSES passes are as wide as the face, a fortieth of the ball at the most; all that is asked stands in the
 row. Strategies are tried in the order of STRATEGIES, first as they are, then with --leave-out where a plan is refused or
 goes into the part, until one is usable. No call may take more than SECONDS of processor time, no face more than
 SECONDS_A_FACE.
@@ -17,15 +17,15 @@ import subprocess
 import sys
 import tempfile
 
-FACES = 2
+FACES = 1
 STEPS = [1, 2, 5]
 WIDTHS_PER_BALL = [8, 16, 32]
 STRATEGIES = ['along-u', 'along-v', 'constant-scallop', 'parallel-planes']
 PASSES = 60
 MOST_LEFT = 0.5
-SECONDS, SECONDS_A_FACE = 60, 240
+SECONDS, SECONDS_A_FACE = 25, 45
 
-trunnion, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+trunnion, folder, only = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3:]
 
 
 def run(*words):
@@ -65,7 +65,7 @@ def asked(area, hollow):
     width = math.sqrt(area)
     for widths in WIDTHS_PER_BALL:
         ball = rounded(width / widths, False)
-        scallop = rounded((width / PASSES) ** 2 / (4 * ball), True)
+        scallop = min(rounded((width / PASSES) ** 2 / (4 * ball), True), rounded(ball / 40, False))
         large = [] if ball <= 20 else ['--gouge-tolerance', length(scallop / 10), '--retract', length(2 * ball),
                                        '--longest-step', length(ball / 5)]
         for strategy in STRATEGIES:
@@ -116,14 +116,14 @@ def planned(file, number, area, hollow, work):
 
 def main():
     print(__doc__.split('\n', 1)[0].replace('Plans and simulates', '# Surfaces planned\nWritten by `scripts/table_of_surfaces.py`: it plans and simulates'))
-    print(f'\nOf each file the first {FACES} curved faces (flat ones where none is curved). Balls of 1/{", 1/".join(map(str, WIDTHS_PER_BALL))} of the face\'s width, rounded\n'
-          f'down; a scallop with which some {PASSES} passes are as wide as the face; the first plan that is usable. Ridges, highest and deepest in µm; left: share of the\n'
+    print(f'\nOf each file the first curved faces, {FACES} of them (flat ones where none is curved). Balls of 1/{", 1/".join(map(str, WIDTHS_PER_BALL))} of the face\'s width, rounded\n'
+          f'down; a scallop with which some {PASSES} passes are as wide as the face, a fortieth of the ball at the most; the first plan that is usable. Ridges, highest and deepest in µm; left: share of the\n'
           f'area that is left out (`--leave-out`), at most {100 * MOST_LEFT:g} %; seconds of processor time: reading, planning, simulation and the check against the whole part.\n'
           f'Up to {SECONDS} s a plan, {SECONDS_A_FACE} s a face.\n')
     print('| file | faces | face | asked | passes | ridges | highest | deepest | left | seconds | told |\n|---|---|---|---|---|---|---|---|---|---|---|')
     with tempfile.TemporaryDirectory() as name:
         for file in sorted(folder.iterdir()):
-            if file.suffix not in ('.step', '.stp', '.iges', '.igs', '.3dm'):
+            if only and file.name not in only or file.suffix not in ('.step', '.stp', '.iges', '.igs', '.3dm'):
                 continue
             listed = run('list', str(file), '-q')
             if listed.returncode:

@@ -101,11 +101,11 @@ program::Program QueuedWay::program_of(std::size_t first, std::size_t end) const
     program::Program out;
     for (int i = machine_->linear_count(); i < machine_->axis_count; ++i)
         out.rotary_letters.push_back(machine_->axes[i].letter);
-    const auto add = [&out](const QueuedPose& end) -> program::Move& {
+    const auto add = [&out](const QueuedPose& pose) -> program::Move& {
         program::Move& move = out.moves.emplace_back();
-        move.position_mm = end.tip_mm;
+        move.position_mm = pose.tip_mm;
         move.law = program::OrientationLaw::rotary;
-        std::ranges::copy(end.rotary_rad, move.rotary_rad.begin());
+        std::ranges::copy(pose.rotary_rad, move.rotary_rad.begin());
         return move;
     };
     add(begin_of(first));

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include <Eigen/Geometry>
 
@@ -49,34 +50,44 @@ double width_mm(const Face& face, int k) {
     return longest;
 }
 
-/// Places left out, in cubes as wide as they reach.
+/// Places left out, in cubes as wide as they reach, to a power of two.
 class LeftPlaces {
   public:
-    LeftPlaces(std::span<const LeftPlace> places, double reach_mm) : reach_mm_(reach_mm) {
-        for (const LeftPlace& place : places) cubes_[cube_of(place.at_mm)].push_back(place.at_mm);
+    explicit LeftPlaces(std::span<const LeftPlace> places) {
+        for (const LeftPlace& place : places) {
+            if (!(place.reach_mm > 0)) continue;
+            const auto size = static_cast<std::int64_t>(std::ceil(std::log2(place.reach_mm)));
+            sizes_.insert(size);
+            cubes_[cube_of(place.at_mm, size)].push_back(place);
+        }
     }
 
     bool near(const Eigen::Vector3d& point) const {
-        if (cubes_.empty()) return false;
-        const Cube middle = cube_of(point);
+        return std::ranges::any_of(sizes_, [&](std::int64_t size) { return near(point, size); });
+    }
+
+  private:
+    using Cube = std::array<std::int64_t, 4>;
+
+    static Cube cube_of(const Eigen::Vector3d& point, std::int64_t size) {
+        const double width = std::exp2(static_cast<double>(size));
+        const auto along = [&](int k) { return static_cast<std::int64_t>(std::floor(point[k] / width)); };
+        return {size, along(0), along(1), along(2)};
+    }
+
+    bool near(const Eigen::Vector3d& point, std::int64_t size) const {
+        const Cube middle = cube_of(point, size);
+        const auto holds = [&](const LeftPlace& place) { return (place.at_mm - point).norm() <= place.reach_mm; };
         for (int k = 0; k < 27; ++k) {
-            const auto cube = cubes_.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
-            if (cube == cubes_.end()) continue;
-            for (const Eigen::Vector3d& at : cube->second)
-                if ((at - point).norm() <= reach_mm_) return true;
+            const auto cube =
+                cubes_.find({size, middle[1] + k % 3 - 1, middle[2] + k / 3 % 3 - 1, middle[3] + k / 9 - 1});
+            if (cube != cubes_.end() && std::ranges::any_of(cube->second, holds)) return true;
         }
         return false;
     }
 
-  private:
-    using Cube = std::array<std::int64_t, 3>;
-    Cube cube_of(const Eigen::Vector3d& point) const {
-        const auto along = [&](int k) { return static_cast<std::int64_t>(std::floor(point[k] / reach_mm_)); };
-        return {along(0), along(1), along(2)};
-    }
-
-    double reach_mm_;
-    std::map<Cube, std::vector<Eigen::Vector3d>> cubes_;
+    std::set<std::int64_t> sizes_;
+    std::map<Cube, std::vector<LeftPlace>> cubes_;
 };
 
 /// A place on a pass.
@@ -95,7 +106,7 @@ class Check {
           options_(options),
           passes_(passes),
           cut_(cutter, passes),
-          left_(options.left, options.left_reach_mm) {}
+          left_(options.left) {}
 
     SurfaceVerdict run() {
         for (const Face& face : faces_) {

@@ -11,6 +11,7 @@
 #include "trunnion/geometry/great_circle.hpp"
 
 #include "detail/free_links.hpp"
+#include "detail/left_reach.hpp"
 #include "detail/surface_program.hpp"
 
 namespace trunnion::surfacing {
@@ -23,12 +24,11 @@ constexpr double cut_to_mm = 0.01;  ///< ends of what stays, along the pass
 class PassCutter {
   public:
     PassCutter(std::span<const Face> faces, const Cutter& cutter, const PartBody& part, const LeavingOptions& leaving,
-               ReachedPlan& out)
-        : faces_(faces), cutter_(cutter), part_(part), leaving_(leaving), out_(out) {}
+               const detail::LeftReach& reach, ReachedPlan& out)
+        : faces_(faces), cutter_(cutter), part_(part), leaving_(leaving), reach_(reach), out_(out) {}
 
     std::vector<Pass> parts_of(const Pass& pass) {
         parts_.clear();
-        depth_known_ = false;
         current_ = {.contacts = {}, .index = pass.index};
         bool free = is_free(pass.contacts.front().pose);
         if (free) current_.contacts.push_back(pass.contacts.front());
@@ -38,23 +38,23 @@ class PassCutter {
     }
 
     /// Notes that the way between two contacts is left out, from one share of it to another.
-    void leave(const Contact& from, const Contact& to, double begin, double end) {
+    void leave(const Contact& from, const Contact& to, int index, double begin = 0, double end = 1) {
         const double way = (to.point_mm - from.point_mm).norm() * (end - begin);
         out_.left_way_mm += way;
-        const int parts = std::max(1, static_cast<int>(std::ceil(way / detail::look_mm(cutter_))));
+        const double look_mm = detail::look_mm(cutter_);
+        const int parts = std::max(1, static_cast<int>(std::ceil(way / look_mm)));
+        const double reach_mm = reach_.between_mm(from, to, index) + 0.5 * look_mm;
         for (int i = 0; i <= parts; ++i) {
             const double w = begin + (end - begin) * i / parts;
-            out_.plan.left.push_back({(1 - w) * from.point_mm + w * to.point_mm, from.face});
+            out_.plan.left.push_back({(1 - w) * from.point_mm + w * to.point_mm, from.face, reach_mm});
         }
     }
 
   private:
     bool is_free(const CutterPose& pose) {
         if (!part_.is_deeper(cutter_, pose, leaving_.tolerance_mm, leaving_.holder)) return true;
-        // How deep is slow to tell where the tool lies along the skin: of the first pose of each pass alone.
-        if (!std::exchange(depth_known_, true))
-            if (const auto in = part_.deepest(cutter_, pose, leaving_.tolerance_mm, leaving_.holder))
-                out_.deepest_mm = std::max(out_.deepest_mm, in->depth_mm);
+        const double known_mm = std::max(leaving_.tolerance_mm, out_.deepest_mm);
+        if (const auto in = part_.deepest(cutter_, pose, known_mm, leaving_.holder)) out_.deepest_mm = in->depth_mm;
         return false;
     }
 
@@ -75,7 +75,7 @@ class PassCutter {
                 if (!here) {
                     stay_until(from, to, at);
                 } else {
-                    leave(from, to, changed, at);
+                    leave(from, to, current_.index, changed, at);
                     current_.contacts.push_back(contact_between(from, to, at));
                 }
                 changed = at;
@@ -85,7 +85,7 @@ class PassCutter {
         if (free)
             current_.contacts.push_back(to);
         else
-            leave(from, to, changed, 1);
+            leave(from, to, current_.index, changed, 1);
         return free;
     }
 
@@ -104,7 +104,7 @@ class PassCutter {
             parts_.push_back(current_);
         else
             for (std::size_t k = 1; k < current_.contacts.size(); ++k)
-                leave(current_.contacts[k - 1], current_.contacts[k], 0, 1);
+                leave(current_.contacts[k - 1], current_.contacts[k], current_.index);
         current_.contacts.clear();
     }
 
@@ -135,10 +135,10 @@ class PassCutter {
     const Cutter& cutter_;
     const PartBody& part_;
     const LeavingOptions& leaving_;
+    const detail::LeftReach& reach_;
     ReachedPlan& out_;
     std::vector<Pass> parts_;
     Pass current_;
-    bool depth_known_ = false;  ///< of the pass at hand
 };
 
 /// Puts passes one behind the other with free links; what cannot be got to is left out.
@@ -183,7 +183,7 @@ class Chain {
         const auto first =
             std::ranges::find_if(contacts, [this](const Contact& at) { return search_.leaves(at.pose); });
         for (auto at = contacts.begin(); at != first && at + 1 != contacts.end(); ++at)
-            cutting_.leave(*at, *(at + 1), 0, 1);
+            cutting_.leave(*at, *(at + 1), pass.index);
         contacts.erase(contacts.begin(), first);
         if (!front) std::ranges::reverse(contacts);
         return contacts.size() > 1;
@@ -191,7 +191,7 @@ class Chain {
 
     void drop(const Pass& pass) {
         for (std::size_t k = 1; k < pass.contacts.size(); ++k)
-            cutting_.leave(pass.contacts[k - 1], pass.contacts[k], 0, 1);
+            cutting_.leave(pass.contacts[k - 1], pass.contacts[k], pass.index);
     }
 
     void drop_last() {
@@ -217,8 +217,10 @@ Result<ReachedPlan> leave_out_gouges(SurfacePlan plan, std::span<const Face> fac
                      .value = fmt::format("{} mm", leaving.tolerance_mm),
                      .limit = fmt::format("at least twice the part's {} mm", part.tolerance_mm())});
     ReachedPlan out{.plan = std::move(plan)};
+    out.ridges_too_high = out.plan.left.size();
     const std::vector<Pass> planned = std::exchange(out.plan.passes, {});
-    PassCutter cutting(faces, cutter, part, leaving, out);
+    const detail::LeftReach reach(planned, faces, cutter, options.scallop_mm);
+    PassCutter cutting(faces, cutter, part, leaving, reach, out);
     const detail::LinkSearch search(cutter, part, options, leaving.tolerance_mm, leaving.holder);
     Chain chain(cutting, search);
     for (const Pass& pass : planned) {

@@ -24,10 +24,17 @@ struct Span {
     double from, to;
 };
 
+constexpr double just_before = 1e-4;  ///< a border that is one point, as a share of a way towards it
+
 /// Of ways that run along a border of the domain, all or nothing: places count as drawn a little towards the middle.
+/// They end just before a border that is one point: beyond it the normal has turned to the other side.
 bool within(const Job& job, const Way& way, double s) {
     const ParameterBox& box = job.box;
     const SurfacePlace at = way.place(s);
+    const Eigen::Vector2d out =
+        Eigen::Vector2d(at.u, at.v) + just_before * (Eigen::Vector2d(at.u, at.v) - 0.5 * (box.low + box.high));
+    const Eigen::Vector2d ahead = out.cwiseMax(box.low).cwiseMin(box.high);
+    if (!job.shape({ahead.x(), ahead.y()})) return false;
     constexpr double draw = 1e-7;
     return contains(job.face, {at.u + draw * (0.5 * (box.low.x() + box.high.x()) - at.u),
                                at.v + draw * (0.5 * (box.low.y() + box.high.y()) - at.v)});
@@ -61,11 +68,12 @@ std::vector<Span> spans_within(const Job& job, const Way& way) {
     return out;
 }
 
-/// What ridges rise by for one unit that a pass is off sideways: they have that slope at their top.
+/// What ridges rise by for one unit that a pass is off sideways: they have that slope at their top. Where the tool does
+/// not fit, and no interval is, no ridge counts.
 double ridge_slope(const Job& job, const Station& at) {
     const double interval =
         path_interval_mm(job.cutter, at.shape, at.pose.axis, at.shape.components(at.across), job.options.scallop_mm);
-    return 4 * job.options.scallop_mm / interval;
+    return interval > 0 ? 4 * job.options.scallop_mm / interval : 0;
 }
 
 /// How far the tool, moved straight from one station to another, is off touching the surface in between, and what
@@ -137,15 +145,17 @@ Result<Pass> pass_of(const Job& job, const Way& way, const Span& span, int index
     return pass;
 }
 
-/// Whether a loop has a corner at a point: more than 15°.
+/// Whether a loop has a corner at a point: more than 15°, or an end of an edge that is one point.
 bool is_corner(const Job& job, const Loop& loop, std::size_t i) {
     const auto at = [&](std::size_t k) {
         const Eigen::Vector2d& p = loop[k % loop.size()];
         return job.face.surface.at(p.x(), p.y());
     };
     const Eigen::Vector3d in = at(i) - at(i + loop.size() - 1), out = at(i + 1) - at(i);
-    constexpr double corner_rad = std::numbers::pi / 12;
-    return in.norm() > 0 && out.norm() > 0 && geometry::angle_between(in, out) > corner_rad;
+    constexpr double corner_rad = std::numbers::pi / 12, one_point_mm = 1e-9;
+    const std::size_t before = (i + loop.size() - 1) % loop.size(), after = (i + 1) % loop.size();
+    if (in.norm() < one_point_mm || out.norm() < one_point_mm) return loop[before] != loop[i] && loop[i] != loop[after];
+    return geometry::angle_between(in, out) > corner_rad;
 }
 
 /// The loop's points from one corner to the next, with points on long straight pieces between.
@@ -161,6 +171,12 @@ Way border_way(const Job& job, const Loop& loop, std::size_t from, std::size_t t
     }
     places.push_back({loop[to % loop.size()].x(), loop[to % loop.size()].y()});
     return {job.face.surface, std::move(places)};
+}
+
+/// A way without ends where the surface has no normal.
+Span with_normals(const Job& job, const Way& way) {
+    const double end = way.length(), off = just_before * end;
+    return {job.station(way, 0, false) ? 0 : off, job.station(way, end, false) ? end : end - off};
 }
 
 }  // namespace
@@ -188,7 +204,7 @@ Result<void> append_border_passes(const Job& job, const std::function<bool(const
         for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
             const Way way = border_way(job, loop, corners[k], corners[k + 1]);
             if (way.places().size() < 2 || !wanted(way)) continue;  // an edge that is one point
-            auto pass = pass_of(job, way, {0, way.length()}, -1, false);
+            auto pass = pass_of(job, way, with_normals(job, way), -1, false);
             if (!pass) return fail(std::move(pass.error()));
             if (pass->contacts.size() > 1) out.push_back(std::move(*pass));
         }

@@ -115,7 +115,10 @@ class RegionPlanner {
             auto ways = detail::sweep(jobs_[k]);
             if (!ways) return refused(k, std::move(ways.error()));
             account(ways->least_interval_mm, ways->largest_interval_mm, ways->highest_ridge_mm);
-            for (const Eigen::Vector3d& at : ways->too_high) plan_.left.push_back({at, static_cast<int>(k)});
+            for (LeftPlace place : ways->too_high) {
+                place.face = static_cast<int>(k);
+                plan_.left.push_back(place);
+            }
             if (auto covered = check_cover(k, *ways); !covered) return covered;
             const int shift = next_index - ways->ways.front().index;
             const std::size_t first = plan_.passes.size();

@@ -146,22 +146,45 @@ class PlaneSweep {
         std::vector<LeftPlace> too_high;
     };
 
+    /// A step whose highest ridge is as wanted or lower, and one whose ridge is higher.
+    struct Bracket {
+        double low = 0, low_ridge = 0, high = std::numeric_limits<double>::infinity(), high_ridge = 0;
+
+        void narrow(double step, double ridge, double wanted) {
+            if (ridge <= wanted)
+                low = step, low_ridge = ridge;
+            else
+                high = step, high_ridge = ridge;
+        }
+        bool is_closed() const { return low > 0 && low < high && std::isfinite(high); }
+        /// Ridges of leaning tools in narrow hollows rise faster than intervals tell: steps by these would go to and
+        /// fro.
+        double step_of(double ridge) const {
+            return low + (high - low) * (ridge - low_ridge) / (high_ridge - low_ridge);
+        }
+    };
+
     Result<void> corrected(const Row& here, double offset, int side, int index, double& step, Row& next) {
+        const Job& job = faces_.front().job();
+        const double wanted = job.ridge_mm();
+        Bracket known;
         Ridges ridges;
         for (int attempt = 0; attempt < utmost_attempts; ++attempt) {
             next = row(offset + side * step, index + side);
             if (auto bearable = check_work(here); !bearable) return bearable;
             ridges = measured(here, next);
-            const double wanted = faces_.front().job().ridge_mm();
             if (ridges.highest <= wanted && ridges.highest > wanted * (1 - 2 * ridge_accuracy)) break;
-            const double better = std::min(step * ridges.factor, ridges.largest_step);
-            const bool enough = attempt + 1 >= most_attempts && !is_unbearable(faces_.front().job(), ridges.highest);
+            known.narrow(step, ridges.highest, wanted);
+            const double asked =
+                known.is_closed() ? known.step_of((1 - ridge_accuracy) * wanted) : step * ridges.factor;
+            const double better = std::min(asked, ridges.largest_step);
+            const bool enough = attempt + 1 >= most_attempts && ridges.highest <= wanted;
             if (std::abs(better - step) < 1e-6 * step || enough) break;
             step = better;
         }
-        if (faces_.front().job().options.leave_out)
+        if (job.options.leave_out)
             out_.too_high.insert(out_.too_high.end(), ridges.too_high.begin(), ridges.too_high.end());
-        else if (auto kept = check_ridge(faces_.front().job(), ridges.highest, ridges.highest_at); !kept)
+        else if (auto kept = check_ridge(job, ridges.highest, ridges.highest_at); !kept)
             return kept;
         account(here, step, ridges.highest);
         return {};
@@ -195,11 +218,13 @@ class PlaneSweep {
             if (!beside || *beside <= 0 || *beside >= other.way.length()) continue;
             if (!contains(job.face, station->place) && !contains(job.face, other.way.place(*beside))) continue;
             // Another part of the face's section is not beside this one.
-            if (other.way.distance_mm(station->shape.point) > 3 * job.cutter.radius_mm()) continue;
+            const double apart = other.way.distance_mm(station->shape.point);
+            if (apart > 3 * job.cutter.radius_mm()) continue;
             const auto ridge = ridge_between_mm(job, first, s, second, 4 * wanted);
             if (!ridge) continue;
             any = true;
-            if (is_unbearable(job, *ridge)) out.too_high.push_back({station->shape.point, static_cast<int>(one.face)});
+            if (is_unbearable(job, *ridge))
+                out.too_high.push_back({station->shape.point, static_cast<int>(one.face), apart});
             if (*ridge > out.highest) out.highest = *ridge, out.highest_at = station->shape.point;
             const double longest = longest_interval_mm(job.cutter, station->shape, station->pose.axis,
                                                        station->shape.components(station->across));

@@ -165,13 +165,14 @@ class Sweeper {
     struct Ridges {
         double highest = 0;  ///< within the face
         Eigen::Vector3d highest_at{0, 0, 0};
-        std::vector<Eigen::Vector3d> too_high;  ///< places within the face
+        std::vector<LeftPlace> too_high;  ///< places within the face
         std::vector<double> factors;  ///< that intervals want, by place; 1 where the tool's reach is what bounds them
-        double least_factor = most_change;  ///< within the face, where anything but the reach bounds
+        double least_factor = most_change;  ///< within the face, where anything but the reach bounds; 1 without ridges
     };
 
     Ridges measured(const Way& way, int index, const std::vector<Node>& nodes, const Way& next, double wanted) const {
         Ridges out{.factors = std::vector(nodes.size(), 1.0)};
+        bool any = false;
         const Track here(job_, way, job_.backwards(index)), there(job_, next, job_.backwards(index + side_));
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Node& node = nodes[i];
@@ -182,13 +183,22 @@ class Sweeper {
             if (uniform() && !inside) continue;
             const auto ridge = ridge_between_mm(job_, here, way.lengths()[i], there, 4 * wanted);
             if (!ridge) continue;
-            if (inside && is_unbearable(job_, *ridge)) out.too_high.push_back(node.station->shape.point);
+            any = any || inside;
+            if (inside && is_unbearable(job_, *ridge)) out.too_high.push_back(left_place(*node.station, next, *beside));
             if (inside && *ridge > out.highest) out.highest = *ridge, out.highest_at = node.station->shape.point;
             if (node.at_reach() && *ridge < wanted) continue;
             out.factors[i] = interval_factor(job_, *node.station, *ridge, wanted);
             if (inside) out.least_factor = std::min(out.least_factor, out.factors[i]);
         }
+        if (!any) out.least_factor = 1;  // as between ways near a border that is one point: left to curvatures
         return out;
+    }
+
+    /// A ridge up to the next way.
+    LeftPlace left_place(const Station& at, const Way& next, double beside) const {
+        const SurfacePlace there = next.place(beside);
+        const double apart = (job_.face.surface.at(there.u, there.v) - at.shape.point).norm();
+        return {.at_mm = at.shape.point, .reach_mm = apart};
     }
 
     /// Corrects the intervals of constant scallop; false where they hardly change and no ridge is too high. What means

@@ -30,6 +30,7 @@ class Track {
 /// Height of the ridge that the tool leaves between two ways beside each other, near the place `s` of the first one:
 /// the highest place on the line to the nearest place of the second one. At most `limit_mm`. Nothing where an end of a
 /// way is too near to tell. Cost about 30 µs.
-std::optional<double> ridge_between_mm(const Job& job, const Track& first, double s, const Track& second, double limit_mm);
+std::optional<double> ridge_between_mm(const Job& job, const Track& first, double s, const Track& second,
+                                       double limit_mm);
 
 }  // namespace trunnion::surfacing::detail

@@ -17,8 +17,8 @@ struct SweepWay {
 struct Sweep {
     std::vector<SweepWay> ways;  ///< by index
     double least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;
-    std::vector<Eigen::Vector3d> too_high;  ///< with leave_out: places of ridges that nothing lowers
-    std::size_t work = 0;                   ///< places at which ridges were measured
+    std::vector<LeftPlace> too_high;  ///< with leave_out: places of ridges that nothing lowers
+    std::size_t work = 0;             ///< places at which ridges were measured
 };
 
 /// Ways over the whole face by the strategy of the options, which is not parallel planes. Errors: SURF0203, SURF0205,

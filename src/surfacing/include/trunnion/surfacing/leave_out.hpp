@@ -16,10 +16,11 @@ struct LeavingOptions {
 
 /// A plan whose tool is nowhere in the part, and what that took.
 struct ReachedPlan {
-    SurfacePlan plan;             ///< SurfacePlan::left: places of all that was cut away, too
-    double left_way_mm = 0;       ///< of passes, that was cut away
-    double deepest_mm = 0;        ///< where the tool first would be in the part, of all passes
-    std::size_t passes_lost = 0;  ///< of which nothing is left
+    SurfacePlan plan;                 ///< SurfacePlan::left: places of all that was cut away, too
+    double left_way_mm = 0;           ///< of passes, that was cut away
+    double deepest_mm = 0;            ///< that the tool would be in the part, of all poses that were looked at
+    std::size_t passes_lost = 0;      ///< of which nothing is left
+    std::size_t ridges_too_high = 0;  ///< places of the plan where no distance of passes keeps the scallop
 };
 
 /// Cuts away the parts of passes where the tool would be in the part, to 0.01 mm along the pass, and lays the links

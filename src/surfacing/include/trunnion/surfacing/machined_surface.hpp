@@ -77,10 +77,10 @@ struct SurfaceCheckOptions {
     double grid_mm = 1;           ///< spacing of heights all over the face and along its borders
     double ridge_spacing_mm = 2;  ///< along passes, of the places where ridges are looked for
     double limit_mm = 0.1;        ///< heights are not told apart beyond
-    /// Places that the plan leaves as they are: what is within `left_reach_mm` of one counts neither as left nor as a
-    /// ridge, but for its area. What is cut too deep counts everywhere.
+    /// Places that the plan leaves as they are: what one reaches counts neither as left nor as a ridge, but for its
+    /// area where it is higher than `left_above_mm`. What is cut too deep counts everywhere.
     std::span<const LeftPlace> left = {};
-    double left_reach_mm = 1, left_above_mm = 0.01;
+    double left_above_mm = 0.01;
 };
 
 /// Measures a plan on its face: heights on a grid all over it and at some distances from its borders, and from places

@@ -17,8 +17,8 @@ namespace trunnion::surfacing {
 /// - the other strategies: face by face, each from its own middle or border, passes not joined; a border that two faces
 ///   share smoothly has its pass once.
 ///
-/// The tool on any face is checked against all of them as PartBody: refused is what cuts deeper than the gouge tolerance
-/// and 10 µm; what is less deep, check_region() finds.
+/// The tool on any face is checked against all of them as PartBody: refused is what cuts deeper than the gouge
+/// tolerance and 10 µm; what is less deep, check_region() finds.
 ///
 /// Errors: as plan_surface(), the text with the face's number; SURF0204 also where the tool on one face cuts another
 /// one; SURF0207 no face; SURF0302 more triangles than PartBody takes.

@@ -59,7 +59,8 @@ struct Pass {
 /// A place of a face that a plan leaves as it is.
 struct LeftPlace {
     Eigen::Vector3d at_mm;
-    int face = 0;  ///< of the faces planned together, from 0
+    int face = 0;         ///< of the faces planned together, from 0
+    double reach_mm = 0;  ///< how far round it the material may be left: as far as the next pass, or the tool's cut
 };
 
 struct SurfacePlan {
