@@ -75,7 +75,7 @@ def inverse_time(text):
 
 
 def without_rotary(text):
-    return re.sub(r'[AC]-?[\d.]+\s*', '', text)
+    return re.sub(r'[AC]-?[\d.]+[ ]*', '', text)
 
 
 def with_feed(text, feed):

@@ -182,7 +182,16 @@ void PlayingSide::show(const std::string& line) {
     } else {
         failed_ = failed_ || word == "error";
         if (word == "error" || !session_.job.quiet) fmt::print(stderr, "{}\n", rest);
+        if (operator_.ended() && word == "news") answer_alone(rest.find(" waits: ") != std::string_view::npos);
     }
+}
+
+/// Nobody is there any more who could answer an event: what plays into nothing goes on, a machine that waits stops.
+void PlayingSide::answer_alone(bool waits) {
+    if (!sink_.moves_axes())
+        obey("resume");
+    else if (waits)
+        obey("stop");
 }
 
 void PlayingSide::get_ready() {

@@ -69,6 +69,7 @@ class PlayingSide {
     void obey(const std::string& line);
     void take_news();
     void show(const std::string& line);
+    void answer_alone(bool waits);
     void get_ready();
     void start();
     void move_on();

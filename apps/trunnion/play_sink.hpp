@@ -30,6 +30,8 @@ class RowSink {
     virtual std::uint64_t reached() const = 0;
     /// The motion is over; the axes stand where the last row says.
     virtual Result<void> finish() { return {}; }
+    /// Whether axes move: then nobody but the operator may answer what the program waits for.
+    virtual bool moves_axes() const { return true; }
     /// Something that becomes readable when there is news, or −1.
     virtual int descriptor() const { return -1; }
 };
@@ -39,6 +41,7 @@ class ClockSink final : public RowSink {
   public:
     /// `speed`: so many times as fast as the clock.
     ClockSink(double period_s, double speed) : period_s_(period_s / speed) {}
+    bool moves_axes() const override { return false; }
     void start() override { start_ = Clock::now(); }
     std::size_t room() override;
     void give(const trunnion_row&) override { ++periods_, ++rows_; }

@@ -51,10 +51,12 @@ const tests = {
     await page.locator('.drops tbody tr').nth(1).click()
     const way = await page.evaluate(() => { const s = window.trunnion.state; return s.run.wayAt(s.get('cursor_s')) })
     assert.ok(way >= drop.s_from_mm - 0.5 && way <= drop.s_to_mm + 0.5, `${way} mm`)
+    await page.waitForFunction(() => {  // both are drawn in the frames that follow
+      const told = document.querySelector('.told [data-value="line"]'), current = document.querySelector('.line.current')
+      return told && current && told.innerText === current.dataset.line
+    })
     const current = page.locator('.line.current')
-    await current.waitFor()
     const line = Number(await current.getAttribute('data-line'))
-    assert.equal(line, Number(await page.locator('.told [data-value="line"]').innerText()))
     assert.equal(await current.locator('code').innerText(), readFileSync(blade, 'utf8').split('\n')[line - 1])
   },
   async 'every colouring paints the path its way'(page) {

@@ -25,8 +25,8 @@ struct LiveState {
     std::size_t block = 0;                                          ///< index in ToolPath::blocks
 };
 
-/// How a path that leads farther belongs to the present one: its piece k is piece k + pieces_behind, its block k is block
-/// k + blocks_behind, and its first `same_pieces` pieces are the same.
+/// How a path that leads farther belongs to the present one: its piece k is piece k + pieces_behind, its block k is
+/// block k + blocks_behind, and its first `same_pieces` pieces are the same.
 struct SamePath {
     std::size_t pieces_behind = 0, blocks_behind = 0, same_pieces = 0;
 };

@@ -60,8 +60,8 @@ Result<LinuxcncMachine> read_linuxcnc_machine_file(const std::filesystem::path& 
 struct LinuxcncExport {
     double servo_period_s = 0.001;
     std::string display = "dummy";  ///< dummy: no user interface, LinuxCNC waits for the Enter key
-    /// Rows can be played (`trunnion play --linuxcnc`): a switch behind each joint's command takes the drive to the pin of
-    /// the same number of `streamer.0`, positions in the joint's unit.
+    /// Rows can be played (`trunnion play --linuxcnc`): a switch behind each joint's command takes the drive to the pin
+    /// of the same number of `streamer.0`, positions in the joint's unit.
     bool play = false;
     int streamer_depth = 1024;  ///< rows
     /// Not empty: LinuxCNC's queue is planned by `trunnion serve` with this machine (a shipped name or a file without

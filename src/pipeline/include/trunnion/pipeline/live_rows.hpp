@@ -53,7 +53,8 @@ class LiveRows {
     /// Remembers where the plan in hand stands.
     virtual void keep_standstill() = 0;
     /// Gives up the plan in hand and stands where keep_standstill() said: that plan was followed to its end, as the one
-    /// in hand came too late. Precondition: both plans are of one stretch, or the newer one of that stretch made longer.
+    /// in hand came too late. Precondition: both plans are of one stretch, or the newer one of that stretch made
+    /// longer.
     virtual void go_back_to_standstill() = 0;
 
   protected:

@@ -44,11 +44,11 @@ struct QueueOptions {
     std::size_t moves_to_go_on = 100;  ///< that are taken up at once while it is under way
 };
 
-/// Moves along what a control queues, move by move, while it still comes in: as LiveMotion, but the end of the way is not
-/// known. What has come is smoothed and planned to a standstill at its end; when more comes, the way is smoothed anew
-/// from a little behind the present place, put together with the present one where both are the same curve
-/// (smoothing::spliced), and the motion goes on along it (LivePlanner::gone_on_along). So it stands still only where the
-/// moves ask for it, or where they come too late.
+/// Moves along what a control queues, move by move, while it still comes in: as LiveMotion, but the end of the way is
+/// not known. What has come is smoothed and planned to a standstill at its end; when more comes, the way is smoothed
+/// anew from a little behind the present place, put together with the present one where both are the same curve
+/// (smoothing::spliced), and the motion goes on along it (LivePlanner::gone_on_along). So it stands still only where
+/// the moves ask for it, or where they come too late.
 ///
 /// Cost: as LiveMotion, and 20 µs a move and some milliseconds whenever moves are taken up. Memory: the moves from some
 /// 40 mm behind the present place on.
@@ -71,8 +71,8 @@ class QueueMotion : public LiveRows {
     void hold();
     void resume();
 
-    /// One period on; `waiting`: stands, and nothing to move is there (or not enough to begin). Errors, nothing moves any
-    /// more then: those of path building and planning, with the number of the move as line.
+    /// One period on; `waiting`: stands, and nothing to move is there (or not enough to begin). Errors, nothing moves
+    /// any more then: those of path building and planning, with the number of the move as line.
     Result<LiveMotionState> tick() override;
     /// Moves up to this one are behind the standstill that the plan in hand ends at.
     std::int32_t done_at_standstill() const;
