@@ -164,7 +164,7 @@ void add_import(CLI::App& machine, int& status) {
     command->add_option("--jerk-linear", options->jerk_linear, "jerk limit of the linear axes, e.g. \"50 m/s^3\"");
     command->add_option("--jerk-rotary", options->jerk_rotary, "jerk limit of the rotary axes, e.g. \"1800 deg/s^3\"");
     command->footer(
-        "Example:\n  trunnion machine import mill.ini --jerk-linear \"50 m/s^3\" --jerk-rotary \"1800 deg/s^3\" -o "
+        "Example:\n  trunnion machine import trt/xyzac-trt.ini --jerk-linear \"50 m/s^3\" --jerk-rotary \"1800 deg/s^3\" -o "
         "mill.toml");
     command->callback([options, &status] { status = status_of(import_machine(*options)); });
 }

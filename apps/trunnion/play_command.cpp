@@ -118,7 +118,7 @@ void add_play_command(CLI::App& app, int& status) {
         "Commands, one a line on stdin: start, hold, resume, stop, single on|off, override PERCENT (0…200),\n"
         "rapid PERCENT (0…100). `resume` also answers M0, T words and other events that stop the motion.\n"
         "Ctrl-C is stop. Not a safety function: E-stop and limit switches stay what they are.\n"
-        "Example:\n  trunnion play part.ngc -m xyzac-trt --setup vice.toml --dry-run -o rows.csv");
+        "Example:\n  trunnion play part.ngc -m xyzac-trt --setup vice.toml --dry-run --speed 50 -o rows.csv");
     play->callback([options, &status] { status = play_and_report(*options); });
 }
 
