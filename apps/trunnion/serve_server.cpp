@@ -11,7 +11,7 @@ namespace {
 using pipeline::LiveMotionStatus;
 
 constexpr std::uint64_t quiet_periods = 25;  // without an order: what came is all for now
-constexpr std::uint64_t lead_rows = 100;     // what planning may take
+constexpr std::uint64_t lead_rows = 200;     // what planning may take
 
 }  // namespace
 

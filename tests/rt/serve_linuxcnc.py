@@ -82,13 +82,13 @@ def words_of_every_kind(test):
 
 
 def pause_and_resume(test):
-    result, rows = test.run('pause', test.case('gentle-0.5'), [(1.0, 'pause'), (2.5, 'resume')])
+    result, rows = test.run('pause', test.case('gentle-0.5'), [(0.6, 'pause'), (3.0, 'resume')])
     assert result['whole'], result
-    assert 0.8 < standing_in_the_middle(rows) < 1.6, standing_in_the_middle(rows)
+    assert 1.2 < standing_in_the_middle(rows) < 2.6, standing_in_the_middle(rows)
 
 
 def override(test):
-    result, rows = test.run('override', test.case('gentle-0.5'), [(0.9, 'override 0.5')])
+    result, rows = test.run('override', test.case('gentle-0.5'), [(0.5, 'override 0.5')])
     plain, unchanged = test.run('plain', test.case('gentle-0.5'))
     assert result['whole'] and plain['whole']
     assert len(rows) > len(unchanged) + 200, (len(rows), len(unchanged))

@@ -155,7 +155,7 @@ dict
 Raises
 ------
 Error
-    VER0206 rows that are not one period apart, other VERxxxx; PY0001 shape, PY0002 not finite.)";
+    VER0206 rows that are not one period apart, other codes VER…; PY0001 shape, PY0002 not finite.)";
 
 constexpr const char* programmed_poses_doc = R"(programmed_poses(program, machine, setup=None, **tolerances)
 --
@@ -179,7 +179,7 @@ dict
 Raises
 ------
 Error
-    VER01xx, PATHxxxx with the line.)";
+    codes VER01…, codes PATH… with the line.)";
 
 void bind_check(py::module_& module) {
     module.def("check", &check, py::arg("setpoints"), py::arg("program"), py::arg("machine"),

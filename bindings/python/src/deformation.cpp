@@ -398,7 +398,7 @@ list of dict
 Raises
 ------
 Error
-    MACH01xx; PY0001 to PY0003 by the argument's name.
+    codes MACH01…; PY0001 to PY0003 by the argument's name.
 
 Source: docs/theory/singular-cone.md.)";
 

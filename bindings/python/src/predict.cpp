@@ -194,7 +194,7 @@ Prediction
 Raises
 ------
 Error
-    CTRL02xx, PATHxxxx with the line; those of plan() with 'ideal'; PY0001 to PY0004 by the argument's name.
+    codes CTRL02…, codes PATH… with the line; those of plan() with 'ideal'; PY0001 to PY0004 by the argument's name.
 
 Source: Lavernhe, Tournier, Lartigue 2006; docs/theory/prediction.md.)";
 

@@ -365,7 +365,7 @@ Program
 Raises
 ------
 Error
-    PIPE0120 a tool that the setup has not; SURF02xx.)";
+    PIPE0120 a tool that the setup has not; codes SURF02….)";
 
 void bind_program_class(py::module_& module) {
     py::class_<Program, SharedProgram>(module, "Program", program_doc)
@@ -433,7 +433,7 @@ Program
 Raises
 ------
 Error
-    NCxxxx with file, line and column.)";
+    codes NC… with file, line and column.)";
 
 constexpr const char* read_program_text_doc = R"(read_program_text(text, **options)
 --
@@ -455,7 +455,7 @@ Program
 Raises
 ------
 Error
-    NCxxxx with line and column.)";
+    codes NC… with line and column.)";
 
 constexpr const char* program_from_poses_doc = R"(program_from_poses(tips, axes=None, **options)
 --

@@ -172,7 +172,7 @@ facts : dict
 Raises
 ------
 Error
-    PIPE0016, PIPE0017, PATHxxxx with the line; PY0001 to PY0004 by the argument's name.)";
+    PIPE0016, PIPE0017, codes PATH… with the line; PY0001 to PY0004 by the argument's name.)";
 
 constexpr const char* shared_doc = R"(
 distance_mm : float
@@ -191,7 +191,7 @@ stretches : list of dict
 Raises
 ------
 Error
-    DEFOxxxx, PIPE0021, PIPE0022 with the stretch's line; PY0001 to PY0003 by the argument's name.
+    codes DEFO…, PIPE0021, PIPE0022 with the stretch's line; PY0001 to PY0003 by the argument's name.
 
 Source: Affouard et al. 2004; docs/theory.)";
 

@@ -167,7 +167,7 @@ list of Stretch
 Raises
 ------
 Error
-    PATHxxxx with the line; PY0001 to PY0004 by the argument's name.)";
+    codes PATH… with the line; PY0001 to PY0004 by the argument's name.)";
 
 constexpr const char* poses_doc = R"(poses($self, /, p_mm)
 --

@@ -103,7 +103,7 @@ Plan
 Raises
 ------
 Error
-    PIPE0001, PIPE0130 to PIPE0132, INTPxxxx, PATHxxxx.
+    PIPE0001, PIPE0130 to PIPE0132, codes INTP…, codes PATH….
 
 Source: Lin & Koren, real-time interpolators for surfaces.)";
 
@@ -135,7 +135,7 @@ Plan
 Raises
 ------
 Error
-    PIPE0131 to PIPE0133, SURF0202, SURF0203, INTPxxxx, PATHxxxx.
+    PIPE0131 to PIPE0133, SURF0202, SURF0203, codes INTP…, codes PATH….
 
 Source: Lin & Koren, real-time interpolators for surfaces.)";
 
