@@ -160,7 +160,7 @@ FaceList
 Raises
 ------
 Error
-    SURF0101 to SURF0104, FILE01xx.)";
+    SURF0101 to SURF0104, codes FILE01….)";
 
 constexpr const char* flat_interval_mm_doc = R"(flat_interval_mm(radius_mm, scallop_mm)
 --
