@@ -57,7 +57,7 @@ struct CornerKernel {
     }
 };
 
-/// Biweight: only measures how far a kink stands alone (C² path, never shipped).
+/// Biweight: only measures how far a kink stands alone (C³ path, never shipped).
 struct DetectionKernel {
     static constexpr double peak = 5.0 / 32;
     static constexpr std::array<double, 5> even{5.0 / 32, 15.0 / 32, -5.0 / 32, 1.0 / 32, 0};

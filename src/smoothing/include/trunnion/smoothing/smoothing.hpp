@@ -60,13 +60,13 @@ bool follows_exactly(const SmoothingOptions& options);
 /// Guarantees, for Rounding::smooth:
 /// - both tolerances hold along the whole stretch, at equal p, by ToolPath::bound: Bernstein hulls of the shipped
 ///   pieces minus the programmed path, not samples. Law vector: the programmed orientation is the constant-rate slerp.
-/// - they are also kept from the place of the programmed path near by that fits best by |Δtip|² + (flank height ·
-///   turn)²: where tip and tool slip along the path by different amounts, that place's tip deviation may be the larger
-///   one. (Not in machine space with turning rotary axes.)
 /// - start and end are the programmed poses exactly, with second derivative 0.
 /// - |c′| > 0.05 in the metric of p. Where the programmed path turns back on itself so that this cannot hold, the run
 ///   is split at that vertex: StopCause::reversal.
 /// - ToolPath::transition_use is deviation / tolerance at each vertex between two blocks, the larger of both.
+/// Looked at, not proved: at vertices and in the middle of blocks both tolerances hold, too, from the place of the
+/// programmed path near by that fits best by |Δtip|² + (flank height · turn)² (not in machine space with turning rotary
+/// axes). Where tip and tool slip along the path by different amounts, that place's tip deviation may be the larger one.
 ///
 /// For Rounding::beudaert: a cubic B-spline of five points at every vertex between straight blocks, over at most half
 /// of the shorter one, and another for the orientation (corner.hpp); their parameters linked in closed form (link.hpp),
