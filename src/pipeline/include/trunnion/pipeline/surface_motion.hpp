@@ -37,6 +37,7 @@ struct SurfaceMotionSummary {
     /// every stretch was planned before it was due, the least of all.
     double first_ready_s = 0, least_ahead_s = 0;
     std::optional<SurfacePartCheck> part;  ///< none: not looked at; whoever moves sets it (MotionInPart)
+    std::optional<FreedAccount> freed;     ///< of the plan; whoever made it sets it
 
     bool usable() const { return motion.usable() && !(part && part->in_part); }
     std::string report() const;
@@ -46,7 +47,8 @@ std::string to_json(const SurfaceMotionSummary& summary);
 /// Moves a tool over a surface plan: every pass on the surface itself, by interpolation::SurfaceInterpolator, from rest
 /// to rest; the links between as the moves of the plan's program, rounded and planned as plan() does. The feed is
 /// lowered ahead of places where velocity, acceleration or jerk of an axis would exceed its limit. Where the tool axis
-/// passes a pole within 1e-5 rad, it is led through it (interpolation::surface_path).
+/// passes a pole within 1e-5 rad, it is led through it (interpolation::surface_path). A pass that stands on an
+/// orientation surface (freed of gouges) takes its axis from there, every period.
 ///
 /// `faces`: those that were planned (Contact::face). The setup's [tool] is the tool. Setpoints of a stretch come as
 /// soon as it is planned; work and motion go on pass by pass, so that memory follows the longest pass; with two threads
@@ -54,7 +56,8 @@ std::string to_json(const SurfaceMotionSummary& summary);
 ///
 /// Errors: PIPE0001 a period or tolerance that is not above 0, threads neither 1 nor 2; PIPE0130 the program of the
 /// plan does not go through the poses of its passes; PIPE0131 an axis would have to turn where a pass begins (at the
-/// pole); PIPE0132 the poses of a pass have not the lead and tilt of the options; PIPE0002 cancelled; those of
+/// pole); PIPE0132 the poses of a pass have not the lead and tilt of the options, or the axes of its orientation
+/// surface; PIPE0002 cancelled; those of
 /// interpolation (INTP), path and feed.
 Result<SurfaceMotionSummary> move_surface(const surfacing::SurfacePlan& plan, std::span<const surfacing::Face> faces,
                                           const surfacing::SurfaceOptions& surface, const machine::Machine& machine,
