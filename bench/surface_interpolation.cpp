@@ -99,7 +99,7 @@ struct Pass {
     }
 };
 
-/// 10⁷ periods of 1 ms one by one, along the pass again and again.
+/// 1.4 · 10⁷ periods of 1 ms one by one, of which 10⁷ are off the tick, along the pass again and again.
 void periods(benchmark::State& state) {
     const auto order = static_cast<StepOrder>(state.range(0));
     const Pass pass(tool_of(state.range(1)));
@@ -121,7 +121,7 @@ BENCHMARK(periods)
     ->Args({2, 0})
     ->Args({2, 1})
     ->Args({2, 2})
-    ->Iterations(10'000'000)
+    ->Iterations(14'000'000)
     ->UseManualTime()
     ->Unit(benchmark::kMicrosecond);
 
@@ -133,7 +133,7 @@ void machine_itself(benchmark::State& state) {
         benchmark::DoNotOptimize(x);
     });
 }
-BENCHMARK(machine_itself)->Iterations(10'000'000)->UseManualTime()->Unit(benchmark::kMicrosecond);
+BENCHMARK(machine_itself)->Iterations(14'000'000)->UseManualTime()->Unit(benchmark::kMicrosecond);
 
 /// Takes every setpoint when it is due.
 struct Control : pipeline::PlanObserver {
