@@ -71,6 +71,38 @@ inline double stolen_s() {
     return ticks[7] / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+/// In which parts of the kernel's tick of 4 ms (250 Hz) interrupts come: those in which a second of looking at the
+/// clock had three times as many gaps above 10 µs as the median part, and the parts before and behind them. A control
+/// whose period divides the tick's begins its periods between them.
+class TickPhase {
+  public:
+    TickPhase() {
+        using clock = std::chrono::steady_clock;
+        std::array<int, parts> gaps{};
+        const auto begin = clock::now();
+        for (auto last = begin; last - begin < std::chrono::seconds(1);) {
+            const auto now = clock::now();
+            if (now - last > std::chrono::microseconds(10)) ++gaps[part_of(last)];
+            last = now;
+        }
+        auto sorted = gaps;
+        std::ranges::nth_element(sorted, sorted.begin() + parts / 2);
+        const int many = 3 * std::max(sorted[parts / 2], 1);
+        for (std::size_t k = 0; k < parts; ++k)
+            if (gaps[k] > many) busy_[k] = busy_[(k + 1) % parts] = busy_[(k + parts - 1) % parts] = true;
+    }
+    /// Whether a period that begins at this time is between the tick's interrupts.
+    bool is_quiet(std::chrono::steady_clock::time_point at) const { return !busy_[part_of(at)]; }
+
+  private:
+    static constexpr std::size_t parts = 40;
+    static std::size_t part_of(std::chrono::steady_clock::time_point at) {
+        const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(at.time_since_epoch()).count();
+        return static_cast<std::size_t>(ns % 4'000'000) / (4'000'000 / parts);
+    }
+    std::array<bool, parts> busy_{};
+};
+
 /// Times of single periods, by nanoseconds up to 100 µs.
 class Distribution {
   public:
@@ -106,12 +138,14 @@ class Distribution {
 };
 
 /// Times `work` alone, once an iteration. Iterations during which the system took the processor away are counted by
-/// themselves; of the others also those that no interrupt came into. For a quiet measure: chrt -f 50 taskset -c 1.
+/// themselves; of the others also those that no interrupt came into, and those that began between the tick's
+/// interrupts. For a quiet measure: chrt -f 80 taskset -c 0.
 template <class Work>
 void time_each(benchmark::State& state, const Work& work) {
     using clock = std::chrono::steady_clock;
     mlockall(MCL_CURRENT | MCL_FUTURE);
-    Distribution undisturbed, uninterrupted;
+    Distribution undisturbed, uninterrupted, off_tick;
+    const TickPhase tick;
     std::size_t disturbed = 0;
     const Interrupts interrupts;
     const double stolen_before_s = stolen_s();
@@ -128,6 +162,7 @@ void time_each(benchmark::State& state, const Work& work) {
         if (after == switches) {
             undisturbed.add(ns);
             if (interrupted_after == interrupted) uninterrupted.add(ns);
+            if (tick.is_quiet(start)) off_tick.add(ns);
         } else {
             ++disturbed;
         }
@@ -140,6 +175,9 @@ void time_each(benchmark::State& state, const Work& work) {
     state.counters["above_10us"] = undisturbed.share_above(10);
     state.counters["longest_us"] = undisturbed.longest_us();
     state.counters["switched"] = static_cast<double>(disturbed);
+    state.counters["off_tick"] = static_cast<double>(off_tick.count());
+    state.counters["off_p99.99_us"] = off_tick.below_us(0.9999);
+    state.counters["off_above_10us"] = off_tick.share_above(10);
     if (interrupts.counted()) {
         state.counters["quiet_p99.99_us"] = uninterrupted.below_us(0.9999);
         state.counters["quiet_above_10us"] = uninterrupted.share_above(10);

@@ -127,10 +127,7 @@ Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& su
 }
 
 Result<surfacing::OrientationLimits> lean_limits(const SurfacePartText& text, const SurfaceWork& work) {
-    surfacing::OrientationLimits out;
-    const double lead_rad = work.options.lead_rad;
-    const bool keeps_its_sign = !work.cutter.is_ball() && lead_rad > 0;
-    out.least_lead_rad = keeps_its_sign ? std::min(1 * degree, 0.5 * lead_rad) : -60 * degree;
+    surfacing::OrientationLimits out = pipeline::lean_limits(work.cutter, work.options.lead_rad);
     const std::tuple<double*, const char*, const std::string*> angles[] = {
         {&out.least_lead_rad, "--least-lead", &text.least_lead},
         {&out.most_lead_rad, "--most-lead", &text.most_lead},

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "trunnion/pipeline/plan_files.hpp"
+#include "trunnion/pipeline/surface.hpp"
 #include "trunnion/pipeline/surface_motion.hpp"
 #include "trunnion/pipeline/surface_motion_check.hpp"
-#include "trunnion/surfacing/plan_region.hpp"
 #include "trunnion/verify/programmed_csv.hpp"
 
 #include "commands.hpp"
@@ -44,30 +44,47 @@ pipeline::SurfaceMotionOptions motion_options(const SurfaceRunCommand& command, 
     return out;
 }
 
+/// What is moved over, and where the plan of it came from.
+Result<pipeline::SurfaceResult> planned(const SurfaceRunCommand& command, const SurfaceWork& work,
+                                        const SurfacePart& part) {
+    pipeline::SurfaceProgramOptions options{.passes = work.options};
+    if (command.part.free_gouges) {
+        const auto limits = lean_limits(command.part, work);
+        if (!limits) return fail(limits.error());
+        options.freeing = {.others = part.others, .limits = *limits, .holder = part.holder};
+    }
+    return pipeline::make_surface_program(work.faces, work.cutter, options);
+}
+
 /// Passes that are laid while others are moved know nothing of a program.
 Result<pipeline::SurfaceMotionSummary> run_ahead(const SurfaceRunCommand& command, const SurfaceWork& work,
                                                  const Workplace& workplace, pipeline::PlanObserver& observer) {
     if (work.faces.size() != 1 || work.options.strategy != surfacing::Strategy::lin_koren ||
-        !command.programmed.empty())
+        !command.programmed.empty() || command.part.free_gouges)
         return fail({.code = "PIPE0134",
-                     .text = "--ahead lays passes of one face by strategy lin-koren, without --programmed"});
+                     .text = "--ahead lays passes of one face by strategy lin-koren, without --programmed and "
+                             "--free-gouges"});
     return pipeline::move_surface_ahead(work.faces.front(), work.cutter, work.options, workplace.machine,
                                         workplace.setup, motion_options(command, workplace), observer);
 }
 
 Result<pipeline::SurfaceMotionSummary> run_planned(const SurfaceRunCommand& command, const SurfaceWork& work,
-                                                   const Workplace& workplace, pipeline::PlanObserver& observer) {
-    const auto plan = surfacing::plan_region(work.faces, work.cutter, work.options);
-    if (!plan) return fail(plan.error());
+                                                   const SurfacePart& part, const Workplace& workplace,
+                                                   pipeline::PlanObserver& observer) {
+    const auto made = planned(command, work, part);
+    if (!made) return fail(made.error());
+    const surfacing::SurfacePlan& plan = made->plan;
     if (!command.programmed.empty()) {
-        const auto poses = pipeline::programmed_poses(*plan, workplace.machine, workplace.setup);
+        const auto poses = pipeline::programmed_poses(plan, workplace.machine, workplace.setup);
         if (!poses) return fail(poses.error());
         const auto written =
             pipeline::write_text_file(command.programmed, verify::programmed_csv(*poses, workplace.machine));
         if (!written) return fail(written.error());
     }
-    return pipeline::move_surface(*plan, work.faces, work.options, workplace.machine, workplace.setup,
-                                  motion_options(command, workplace), observer);
+    auto moved = pipeline::move_surface(plan, work.faces, work.options, workplace.machine, workplace.setup,
+                                        motion_options(command, workplace), observer);
+    if (moved) moved->freed = made->freed;
+    return moved;
 }
 
 /// What there is to move over, and what is not to be touched.
@@ -122,8 +139,8 @@ Result<pipeline::SurfaceMotionSummary> run(const SurfaceRunCommand& command) {
         });
     if (!files) return fail(files.error());
     pipeline::MotionInPart motion(*kinematics, work.cutter, part.holder, **files);
-    auto summary =
-        command.ahead ? run_ahead(command, work, workplace, motion) : run_planned(command, work, workplace, motion);
+    auto summary = command.ahead ? run_ahead(command, work, workplace, motion)
+                                 : run_planned(command, work, part, workplace, motion);
     if (!summary) return summary;
     summary->motion.diagnostics.insert(summary->motion.diagnostics.begin(), told.begin(), told.end());
     summary->motion.program = command.surface.file;
@@ -144,14 +161,14 @@ int run_and_report(const SurfaceRunCommand& command) {
     return summary->usable() ? done : not_usable;
 }
 
-/// Without what changes the passes: they are followed as they were laid.
+/// Without what takes passes apart, and what simulates them.
 void add_part_to(CLI::App& run, SurfacePartText& part) {
-    const auto before = run.get_options();
     part.add_to(run);
-    for (CLI::Option* option : run.get_options())
-        if (std::ranges::find(before, option) == before.end() && option->get_name() != "--part" &&
-            option->get_name() != "--holder")
-            run.remove_option(option);
+    run.remove_option(run.get_option("--leave-out"));
+    run.get_option("--free-gouges")
+        ->description(
+            "leans the tool out of what it goes into; ridges of tools that are no balls change with the lean: surface "
+            "plan simulates them");
 }
 
 }  // namespace

@@ -182,6 +182,7 @@ class StretchPlanner::State {
                    [this](const Interval& interval, const motion::ProfilePiece& piece) { take(interval, piece); }) {}
 
     void push(const Interval& interval) { planner_.push(interval); }
+    const motion::FeedProfile& planned() const noexcept { return out_.profile; }
     Result<StretchPlan> finish();
 
   private:
@@ -243,6 +244,9 @@ StretchPlanner& StretchPlanner::operator=(StretchPlanner&&) noexcept = default;
 
 void StretchPlanner::push(const Interval& interval) {
     state_->push(interval);
+}
+const motion::FeedProfile& StretchPlanner::planned() const noexcept {
+    return state_->planned();
 }
 Result<StretchPlan> StretchPlanner::finish() {
     return state_->finish();

@@ -18,8 +18,10 @@ using machine::VectorSeries;
 namespace {
 
 constexpr int looks_between_knots = 8;
-constexpr double least_sine = 1e-9;    // between S_u and S_v
-constexpr double domain_slack = 1e-6;  // share of the domain
+constexpr double least_sine = 1e-9;                  // between S_u and S_v
+constexpr double domain_slack = 1e-6;                // share of the domain
+constexpr double least_rise = 0.017452406437283513;  // sine of 1°, of the axis above the tangent plane
+constexpr double least_lean = 1e-3;                  // sine, of a tool that is no ball
 
 Result<void> check_tool(const SurfaceTool& tool) {
     constexpr double quarter_turn = std::numbers::pi / 2;
@@ -47,15 +49,15 @@ bool within(const geometry::SurfaceDirection& direction, double at) noexcept {
     return at >= direction.begin() - slack && at <= direction.end() + slack;
 }
 
-/// Inner knots at which a surface is less than C⁴ in one direction.
-std::vector<double> rough_knots(const geometry::SurfaceDirection& direction) {
+/// Inner knots at which a surface is less than C^k in one direction.
+std::vector<double> rough_knots(const geometry::SurfaceDirection& direction, int smoothness) {
     std::vector<double> out;
     const auto& knots = direction.knots;
     for (std::size_t i = 0; i < knots.size();) {
         std::size_t behind = i;
         while (behind < knots.size() && knots[behind] == knots[i]) ++behind;
         const bool inside = knots[i] > direction.begin() && knots[i] < direction.end();
-        if (inside && direction.degree - static_cast<int>(behind - i) < 4) out.push_back(knots[i]);
+        if (inside && direction.degree - static_cast<int>(behind - i) < smoothness) out.push_back(knots[i]);
         i = behind;
     }
     return out;
@@ -109,6 +111,7 @@ SurfaceContact SurfaceCurve::contact(double w) const noexcept {
     const double u1 = at.u[1], v1 = at.v[1];
     SurfaceContact out;
     out.w = w;
+    out.place = {at.u[0], at.v[0]};
     out.point_mm = s.at;
     out.by_w = u1 * s.by_u + v1 * s.by_v;
     out.by_ww =
@@ -120,7 +123,20 @@ SurfaceContact SurfaceCurve::contact(double w) const noexcept {
     return out;
 }
 
+/// The tool with an axis of an orientation surface.
+Pose SurfaceCurve::pose_of(const SurfaceContact& contact, const Eigen::Vector3d& axis) const noexcept {
+    const Eigen::Vector3d& n = contact.normal;
+    const double r = tool_.corner_mm, flat = tool_.radius_mm - r;
+    Pose out{contact.point_mm + r * (n - axis), axis};
+    if (flat > 0) out.tip_in_workpiece_mm += flat * (n - n.dot(axis) * axis).normalized();
+    return out;
+}
+
 Pose SurfaceCurve::pose(const SurfaceContact& contact) const noexcept {
+    if (tool_.orientation) {
+        const Eigen::Vector3d second = tool_.orientation->at(contact.place.u, contact.place.v);
+        return pose_of(contact, (second - contact.point_mm - tool_.corner_mm * contact.normal).normalized());
+    }
     if (sine_ == 0) return {contact.point_mm, contact.normal};
     const Eigen::Vector3d& n = contact.normal;
     const Eigen::Vector3d t = contact.by_w / contact.rate_mm;
@@ -130,11 +146,29 @@ Pose SurfaceCurve::pose(const SurfaceContact& contact) const noexcept {
     return {contact.point_mm + r * (n - axis) + (tool_.radius_mm - r) * across, axis};
 }
 
+SurfaceSeries SurfaceCurve::on_orientation(const Parameters& at, const VectorSeries& contact,
+                                           const VectorSeries& normal) const noexcept {
+    const double r = tool_.corner_mm, flat = tool_.radius_mm - r;
+    const VectorSeries centre = detail::sum(contact, detail::scaled(normal, r));
+    const VectorSeries second =
+        detail::on_surface(*tool_.orientation, Parameters::series(at.u), Parameters::series(at.v)).at;
+    SurfaceSeries out{.contact = contact, .tip = centre, .axis = {}};
+    out.axis = detail::unit(detail::sum(second, detail::scaled(centre, -1)));
+    if (flat > 0) {
+        const Taylor3 cosine = detail::dot(normal, out.axis);
+        const VectorSeries across = detail::unit(detail::sum(normal, detail::scaled(out.axis, -cosine)));
+        out.tip = detail::sum(out.tip, detail::scaled(across, flat));
+    }
+    out.tip = detail::sum(out.tip, detail::scaled(out.axis, -r));
+    return out;
+}
+
 SurfaceSeries SurfaceCurve::by_parameter(double w) const noexcept {
     const Parameters at = parameters(w);
     const detail::SeriesOnSurface s = detail::on_surface(*surface_, Parameters::series(at.u), Parameters::series(at.v));
     const VectorSeries across = detail::cross(s.by_u, s.by_v);
     const VectorSeries n = detail::scaled(detail::unit(across), side_ == geometry::Side::along ? 1 : -1);
+    if (tool_.orientation) return on_orientation(at, s.at, n);
     SurfaceSeries out{.contact = s.at, .tip = s.at, .axis = n};
     if (sine_ == 0) return out;
     const VectorSeries slope =
@@ -176,9 +210,9 @@ std::vector<double> SurfaceCurve::knots() const {
 
 std::vector<double> SurfaceCurve::rough_places() const {
     std::vector<double> out;
-    const auto find = [&](const geometry::SurfaceDirection& direction, const auto& coordinate) {
+    const auto find = [&](const geometry::SurfaceDirection& direction, int smoothness, const auto& coordinate) {
         const double along_it = 1e-9 * share_of(direction);
-        for (const double knot : rough_knots(direction))
+        for (const double knot : rough_knots(direction, smoothness))
             for (const auto& piece : pieces_)
                 for (int k = 0; k < looks_between_knots; ++k) {
                     const double step = (piece.u_end - piece.u_begin) / looks_between_knots;
@@ -193,10 +227,37 @@ std::vector<double> SurfaceCurve::rough_places() const {
                     out.push_back(0.5 * (low + high));
                 }
     };
-    find(surface_->u(), [this](double w) { return place(w).u; });
-    find(surface_->v(), [this](double w) { return place(w).v; });
+    const auto find_all = [&](const geometry::BsplineSurface& surface, int smoothness) {
+        find(surface.u(), smoothness, [this](double w) { return place(w).u; });
+        find(surface.v(), smoothness, [this](double w) { return place(w).v; });
+    };
+    find_all(*surface_, 4);
+    if (tool_.orientation) find_all(*tool_.orientation, 3);
     std::ranges::sort(out);
+    const auto again = std::ranges::unique(out);
+    out.erase(again.begin(), again.end());
     return out;
+}
+
+Result<void> SurfaceCurve::check_orientation(double w) const {
+    const SurfaceContact at = contact(w);
+    const geometry::BsplineSurface& second = *tool_.orientation;
+    if (!within(second.u(), at.place.u) || !within(second.v(), at.place.v))
+        return fail({.code = "INTP0002",
+                     .text = "a curve leaves the domain of its orientation surface",
+                     .value = fmt::format("u = {}, v = {}", at.place.u, at.place.v)});
+    const Eigen::Vector3d axis = pose(at).axis_in_workpiece;
+    const double rise = axis.dot(at.normal), lean = axis.cross(at.normal).norm();
+    const bool upright = tool_.corner_mm < tool_.radius_mm && !(lean >= least_lean);
+    if (rise >= least_rise && !upright) return {};
+    return fail({.code = "INTP0009",
+                 .text = fmt::format("the axis of an orientation surface is {} at ({:.3f} {:.3f} {:.3f})",
+                                     upright ? "along the normal" : "not above the surface", at.point_mm.x(),
+                                     at.point_mm.y(), at.point_mm.z()),
+                 .value = fmt::format("{:.3g} rad from the normal", std::atan2(lean, rise)),
+                 .limit = upright ? fmt::format("at least {} rad of a tool that is no ball", least_lean)
+                                  : std::string("at least 1 deg above the tangent plane"),
+                 .hint = upright ? "give a lead that keeps its sign" : "less lead or tilt"});
 }
 
 Result<void> SurfaceCurve::check(double w) const {
@@ -234,9 +295,12 @@ Result<SurfaceCurve> SurfaceCurve::make(const geometry::BsplineSurface& surface,
     out.cosine_ = 1 / std::hypot(1, lean);
     out.sine_ = lean * out.cosine_;
     for (const auto& piece : out.pieces_)
-        for (int k = 0; k <= looks_between_knots; ++k)
-            if (auto sound = out.check(piece.u_begin + (piece.u_end - piece.u_begin) * k / looks_between_knots); !sound)
-                return fail(sound.error());
+        for (int k = 0; k <= looks_between_knots; ++k) {
+            const double w = piece.u_begin + (piece.u_end - piece.u_begin) * k / looks_between_knots;
+            if (auto sound = out.check(w); !sound) return fail(sound.error());
+            if (!tool.orientation) continue;
+            if (auto sound = out.check_orientation(w); !sound) return fail(sound.error());
+        }
     return out;
 }
 

@@ -14,19 +14,28 @@ Eigen::Vector3d tip_of(const path::AxisPath& path, path::PathPlace place) {
 
 }  // namespace
 
+void StretchTable::add_place(const path::AxisPath& path, path::PathPlace place, double s_begin_mm) {
+    const Eigen::Vector3d tip = tip_of(path, place);
+    s_mm.push_back(tip_mm.empty() ? s_begin_mm : s_mm.back() + (tip - tip_mm.back()).norm());
+    p_mm.push_back(path.tool_path().pieces[place.piece].begin_mm + place.offset_mm);
+    tip_mm.push_back(tip);
+}
+
+void StretchTable::add(const path::AxisPath& path, const motion::ProfilePiece& piece, double s_begin_mm) {
+    if (!p_mm.empty()) {  // the end so far
+        p_mm.pop_back();
+        s_mm.pop_back();
+        tip_mm.pop_back();
+    }
+    add_place(path, {piece.path_piece, piece.path_offset_mm}, s_begin_mm);
+    add_place(path, {piece.path_piece, piece.path_offset_mm + piece.length_mm}, s_begin_mm);
+}
+
 StretchTable StretchTable::of(const path::AxisPath& path, const motion::FeedProfile& profile, double s_begin_mm) {
     StretchTable out;
-    double s = s_begin_mm;
-    const auto add = [&](path::PathPlace place) {
-        const Eigen::Vector3d tip = tip_of(path, place);
-        if (!out.tip_mm.empty()) s += (tip - out.tip_mm.back()).norm();
-        out.p_mm.push_back(path.tool_path().pieces[place.piece].begin_mm + place.offset_mm);
-        out.s_mm.push_back(s);
-        out.tip_mm.push_back(tip);
-    };
-    for (const auto& piece : profile.pieces) add({piece.path_piece, piece.path_offset_mm});
+    for (const auto& piece : profile.pieces) out.add_place(path, {piece.path_piece, piece.path_offset_mm}, s_begin_mm);
     const auto& last = profile.pieces.back();
-    add({last.path_piece, last.path_offset_mm + last.length_mm});
+    out.add_place(path, {last.path_piece, last.path_offset_mm + last.length_mm}, s_begin_mm);
     return out;
 }
 

@@ -276,6 +276,14 @@ void add_events(Program& program, const SurfaceProgramOptions& options) {
 
 }  // namespace
 
+surfacing::OrientationLimits lean_limits(const Cutter& cutter, double lead_rad) {
+    constexpr double far = 60 * degree, least = 1 * degree;
+    const bool keeps_its_sign = !cutter.is_ball() && lead_rad > 0;
+    return {.least_lead_rad = keeps_its_sign ? std::min(least, 0.5 * lead_rad) : -far,
+            .most_lead_rad = far,
+            .most_tilt_rad = far};
+}
+
 Result<SurfaceResult> make_surface_program(std::span<const Face> faces, const Cutter& cutter,
                                            const SurfaceProgramOptions& options) {
     const SurfaceOptions passes = options.splines ? close_contacts(options.passes) : options.passes;

@@ -12,7 +12,9 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/geometry/great_circle.hpp"
+#include "trunnion/surfacing/orientation_surface.hpp"
 
+#include "detail/freed_json.hpp"
 #include "detail/surface_motion_mover.hpp"
 
 namespace trunnion::pipeline {
@@ -79,10 +81,25 @@ double misfit_rad(const surfacing::Contact& at, const surfacing::Contact& next, 
     return geometry::angle_between(axis, at.pose.axis);
 }
 
+Result<SurfaceTool> on_orientation(const Pass& pass, const surfacing::Cutter& cutter) {
+    const surfacing::OrientationSurface& orientation = *pass.orientation;
+    double largest = 0;
+    for (const surfacing::Contact& at : pass.contacts)
+        largest = std::max(largest, geometry::angle_between(orientation.axis(at.place), at.pose.axis));
+    if (largest > 2 * orientation.slack_rad())
+        return fail({.code = "PIPE0132",
+                     .text = "the poses of a pass are not those of its orientation surface",
+                     .value = fmt::format("{:.3f} deg", largest / degree),
+                     .limit = fmt::format("{:.3f} deg", 2 * orientation.slack_rad() / degree)});
+    return SurfaceTool{
+        .radius_mm = cutter.radius_mm(), .corner_mm = cutter.corner_mm(), .orientation = &orientation.surface()};
+}
+
 /// The tool as it stands on a pass: tilt is the same way in passes to and fro, so seen from the feed its sign changes.
 /// PIPE0132.
 Result<SurfaceTool> tool_on(const Pass& pass, const surfacing::Cutter& cutter,
                             const surfacing::SurfaceOptions& surface) {
+    if (pass.orientation) return on_orientation(pass, cutter);
     SurfaceTool tool{cutter.radius_mm(), cutter.corner_mm(), surface.lead_rad, surface.tilt_rad};
     SurfaceTool other = tool;
     other.tilt_rad = -tool.tilt_rad;
@@ -222,12 +239,18 @@ std::string part_line(const SurfacePartCheck& part) {
                        in.at_mm.z());
 }
 
+std::string freed_line(const FreedAccount& freed) {
+    if (!freed.worst) return "no gouges before anything was changed\n";
+    return fmt::format("{} passes freed of gouges: deepest {:.4g} mm before; turned by {:.2f} deg at most, {} rounds\n",
+                       freed.passes_turned, freed.worst->depth_mm, freed.largest_turn_rad / degree, freed.rounds);
+}
+
 nlohmann::ordered_json part_json(const SurfacePartCheck& part) {
     nlohmann::ordered_json in_part;
     if (const auto& in = part.in_part)
         in_part = {{"depth_mm", in->depth_mm},
                    {"face", part.in_part_face},
-                   {"at_mm", {in->at_mm.x(), in->at_mm.y(), in->at_mm.z()}},
+                   {"at_mm", point_json(in->at_mm)},
                    {"by_holder", in->by_holder}};
     return {{"faces", part.faces}, {"in_part", in_part}};
 }
@@ -236,6 +259,7 @@ nlohmann::ordered_json part_json(const SurfacePartCheck& part) {
 
 std::string SurfaceMotionSummary::report() const {
     std::string out = motion.report();
+    if (freed) out += freed_line(*freed);
     out += fmt::format("{} passes on the surface, {:.1f} mm in {:.3f} s, {:.1f} % of it at the programmed feed\n",
                        passes, pass_way_mm, pass_time_s, 100 * constant_feed_share);
     if (bridged_mm > 0)
@@ -260,6 +284,7 @@ std::string to_json(const SurfaceMotionSummary& summary) {
                       {"bridged_mm", summary.bridged_mm},
                       {"first_ready_s", summary.first_ready_s},
                       {"least_ahead_s", summary.least_ahead_s},
+                      {"freed", summary.freed ? freed_json(*summary.freed) : nlohmann::ordered_json(nullptr)},
                       {"part", summary.part ? part_json(*summary.part) : nlohmann::ordered_json(nullptr)}};
     out["usable"] = summary.usable();
     return out.dump(2) + "\n";

@@ -17,6 +17,8 @@ using program::Program;
 namespace {
 
 constexpr int most_passes = 20000;
+constexpr std::size_t window_ahead =
+    100;  ///< intervals: a pass begins when so many are planned, not four times as many
 
 Result<void> check_surface_options(const surfacing::SurfaceOptions& options, const surfacing::Cutter& cutter) {
     struct Bound {
@@ -178,8 +180,10 @@ Result<SurfaceMotionSummary> move_surface_ahead(const surfacing::Face& face, con
                      .hint = "plan the face first"});
     const auto kinematics = machine::Kinematics::make(machine, setup.workpiece, setup.tool.length_mm);
     if (!kinematics) return fail(kinematics.error());
+    SurfaceMotionOptions early = options;
+    early.plan.feed.window = std::min(options.plan.feed.window, window_ahead);
     const auto plan = [&](const SurfaceMotionPlanner::Sink& sink) {
-        SurfaceMotionPlanner planner(machine, setup, *kinematics, options, sink);
+        SurfaceMotionPlanner planner(machine, setup, *kinematics, early, sink);
         SurfacePassLayer layer(face, cutter, surface);
         AheadPlanner ahead(face, cutter, surface, machine, setup, options.place_tolerance_mm, planner);
         return plan_all(layer, ahead, planner);

@@ -9,9 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "trunnion/interpolation/interpolator.hpp"
-#include "trunnion/interpolation/surface_interpolator.hpp"
-
 #include "detail/bounded_queue.hpp"
 
 namespace trunnion::pipeline {
@@ -19,7 +16,7 @@ namespace trunnion::pipeline {
 namespace {
 
 constexpr double constant_feed = 1e-3;
-constexpr std::size_t stretches_ahead = 64;
+constexpr std::size_t parts_ahead = 64;
 
 double tip_speed(const path::AxisPath& path, const motion::FeedProfile& profile,
                  const interpolation::SurfaceInstant& now) {
@@ -45,40 +42,66 @@ Result<void> check_motion_options(const SurfaceMotionOptions& options) {
     return {};
 }
 
-void SurfaceMover::take(const PlannedSurfaceStretch& stretch) {
-    note_when_ready(stretch);
-    const path::AxisPath& axes = stretch.axes();
+void SurfaceMover::take(const PlannedSurfacePart& part) {
+    note_when_ready(part);
+    if (part.begins) begin(part);
+    Following& now = *following_;
+    for (const motion::ProfilePiece& piece : part.pieces) {
+        now.profile.pieces.push_back(piece);
+        now.table.add(part.axes(), piece, way_mm_);
+        if (now.pass) now.on_surface.add(piece);
+    }
+    if (now.pass)
+        sample_pass();
+    else
+        sample_link();
+    if (part.plan) end(*part.plan);
+}
+
+void SurfaceMover::begin(const PlannedSurfacePart& part) {
+    const path::AxisPath& axes = part.axes();
     if (!moved_) at_ = axes.begin_position();
     moved_ = true;
     stand_until(time_s_);
-    if (stretch.pass) {
-        sample_pass(stretch);
-        add(stretch);
-    } else {
-        sample_link(stretch);
-    }
-    account_.add(axes, stretch.plan, stretch.table, {});
+    following_ = std::make_unique<Following>();
+    Following& now = *following_;
+    now.begin.pass = part.pass;
+    now.begin.link = part.link;
+    if (part.pass)
+        now.pass.emplace(part.pass->curve, part.pass->way, axes, now.on_surface, options_.order);
+    else
+        now.link.emplace(axes, now.profile);
+}
+
+void SurfaceMover::end(const feed::StretchPlan& plan) {
+    const Following& now = *following_;
+    const path::AxisPath& axes = now.begin.axes();
+    const double duration_s = plan.profile.duration_s();
+    if (now.begin.pass) add(*now.begin.pass, duration_s);
+    account_.add(axes, plan, now.table, {});
     account_.add_blocks(axes.tool_path().blocks.size());
     at_ = axes.end_position();
     line_ = axes.tool_path().blocks.back().line;
-    time_s_ += stretch.plan.profile.duration_s();
-    way_mm_ = stretch.table.s_mm.back();
+    time_s_ += duration_s;
+    way_mm_ = now.table.s_mm.back();
+    following_.reset();
 }
 
-void SurfaceMover::note_when_ready(const PlannedSurfaceStretch& stretch) {
-    const double ready_s = std::chrono::duration<double>(stretch.ready - start_).count();
+void SurfaceMover::note_when_ready(const PlannedSurfacePart& part) {
+    const double ready_s = std::chrono::duration<double>(part.ready - start_).count();
     if (!moved_) {
         out_.first_ready_s = ready_s;
         out_.least_ahead_s = std::numeric_limits<double>::infinity();
-    } else {
-        out_.least_ahead_s = std::min(out_.least_ahead_s, out_.first_ready_s + time_s_ - ready_s);
+    } else if (!part.pieces.empty()) {
+        const double due_s = time_s_ + part.pieces.front().begin_s;
+        out_.least_ahead_s = std::min(out_.least_ahead_s, out_.first_ready_s + due_s - ready_s);
     }
 }
 
-void SurfaceMover::add(const PlannedSurfaceStretch& pass) {
-    const interpolation::SurfacePath& way = pass.pass->way;
+void SurfaceMover::add(const SurfacePass& pass, double time_s) {
+    const interpolation::SurfacePath& way = pass.way;
     ++out_.passes;
-    out_.pass_time_s += pass.plan.profile.duration_s();
+    out_.pass_time_s += time_s;
     out_.pass_way_mm += way.tool_path.length_mm();
     out_.bridged_mm += way.bridged_mm;
     out_.fit_tip_mm = std::max(out_.fit_tip_mm, way.fit_tip_mm);
@@ -96,33 +119,31 @@ void SurfaceMover::stand_until(double time_s) {
     while (next_row_s() < time_s) emit({next_row_s(), at_, line_, way_mm_, 0});
 }
 
-void SurfaceMover::sample_link(const PlannedSurfaceStretch& stretch) {
-    const double end_s = time_s_ + stretch.plan.profile.duration_s();
-    const path::AxisPath& path = stretch.axes();
-    interpolation::Interpolator interpolator(path, stretch.plan.profile);
+void SurfaceMover::sample_link() {
+    Following& now = *following_;
+    const double end_s = time_s_ + now.profile.duration_s();
+    const auto& blocks = now.begin.axes().tool_path().blocks;
     for (double t = next_row_s(); t < end_s; t = next_row_s()) {
-        const interpolation::Instant now = interpolator.at(t - time_s_);
-        const std::size_t piece = now.path_state.profile_piece;
-        const double s = stretch.table.s_mm[piece] + (now.tip_in_workpiece_mm - stretch.table.tip_mm[piece]).norm();
-        emit({t, now.position, path.tool_path().blocks[now.block].line, s, now.tip_speed_mm_s});
+        const interpolation::Instant at = now.link->at(t - time_s_);
+        const std::size_t piece = at.path_state.profile_piece;
+        const double s = now.table.s_mm[piece] + (at.tip_in_workpiece_mm - now.table.tip_mm[piece]).norm();
+        emit({t, at.position, blocks[at.block].line, s, at.tip_speed_mm_s});
     }
 }
 
-void SurfaceMover::sample_pass(const PlannedSurfaceStretch& stretch) {
-    const SurfacePass& pass = *stretch.pass;
-    const double end_s = time_s_ + stretch.plan.profile.duration_s();
-    const interpolation::SurfaceProfile profile(stretch.plan.profile);
-    interpolation::SurfaceInterpolator interpolator(pass.curve, pass.way, *pass.axes, profile, options_.order);
+void SurfaceMover::sample_pass() {
+    Following& now = *following_;
+    const SurfacePass& pass = *now.begin.pass;
+    const double end_s = time_s_ + now.profile.duration_s();
     const std::int32_t line = pass.way.tool_path.blocks.front().line;
     for (double t = next_row_s(); t < end_s; t = next_row_s()) {
-        const interpolation::SurfaceInstant now = interpolator.at(t - time_s_);
-        const std::size_t piece = now.profile_piece;
-        const double s =
-            stretch.table.s_mm[piece] + (now.pose.tip_in_workpiece_mm - stretch.table.tip_mm[piece]).norm();
-        const double tip = tip_speed(*pass.axes, stretch.plan.profile, now);
-        const double counted = options_.feed_point == interpolation::FeedPoint::tip ? tip : now.contact_feed_mm_s;
+        const interpolation::SurfaceInstant at = now.pass->at(t - time_s_);
+        const std::size_t piece = at.profile_piece;
+        const double s = now.table.s_mm[piece] + (at.pose.tip_in_workpiece_mm - now.table.tip_mm[piece]).norm();
+        const double tip = tip_speed(*pass.axes, now.profile, at);
+        const double counted = options_.feed_point == interpolation::FeedPoint::tip ? tip : at.contact_feed_mm_s;
         if (std::abs(counted - pass.feed_mm_s) <= constant_feed * pass.feed_mm_s) constant_s_ += options_.plan.period_s;
-        emit({t, now.position, line, s, tip});
+        emit({t, at.position, line, s, tip});
     }
 }
 
@@ -152,7 +173,7 @@ class PlanningThread {
     PlanningThread(const PlanningThread&) = delete;
     PlanningThread& operator=(const PlanningThread&) = delete;
 
-    std::optional<PlannedSurfaceStretch> next() { return queue_.pop(); }
+    std::optional<PlannedSurfacePart> next() { return queue_.pop(); }
     Result<void> result() {
         stop();
         if (thrown_) std::rethrow_exception(thrown_);
@@ -162,7 +183,7 @@ class PlanningThread {
   private:
     void work() noexcept {
         try {
-            done_ = plan_([this](PlannedSurfaceStretch stretch) { return queue_.push(std::move(stretch)); });
+            done_ = plan_([this](PlannedSurfacePart part) { return queue_.push(std::move(part)); });
         } catch (...) {
             thrown_ = std::current_exception();
         }
@@ -174,7 +195,7 @@ class PlanningThread {
     }
 
     const PlanSurfaceMotion& plan_;
-    BoundedQueue<PlannedSurfaceStretch> queue_{stretches_ahead};
+    BoundedQueue<PlannedSurfacePart> queue_{parts_ahead};
     Result<void> done_;
     std::exception_ptr thrown_;
     std::thread thread_;
@@ -183,14 +204,14 @@ class PlanningThread {
 }  // namespace
 
 Result<void> move_as_planned(const PlanSurfaceMotion& plan, SurfaceMover& mover, PlanObserver& observer, int threads) {
-    const auto move = [&](const PlannedSurfaceStretch& stretch) {
-        mover.take(stretch);
-        return observer.progress(stretch.share);
+    const auto move = [&](const PlannedSurfacePart& part) {
+        mover.take(part);
+        return observer.progress(part.share);
     };
     if (threads == 1) return plan(move);
     PlanningThread planning(plan);
-    while (const auto stretch = planning.next())
-        if (!move(*stretch)) return fail({.code = "PIPE0002", .text = "cancelled"});
+    while (const auto part = planning.next())
+        if (!move(*part)) return fail({.code = "PIPE0002", .text = "cancelled"});
     return planning.result();
 }
 

@@ -52,9 +52,8 @@ Result<void> SurfaceMotionPlanner::link(const program::Program& program, std::ve
         if (!begin) continue;
         const path::AxisPath& path = *begin->stretch->axis_path;
         if (auto joined = check_joint(path); !joined) return joined;
-        auto plan = feed::plan_stretch(path, options_.plan.feed);
-        if (!plan) return fail(located(plan.error(), program, path.tool_path().blocks.front().line));
-        if (auto out = hand_out({.link = begin->stretch, .plan = *std::move(plan)}); !out) return out;
+        if (auto planned = plan({.link = begin->stretch}); !planned)
+            return fail(located(planned.error(), program, path.tool_path().blocks.front().line));
     }
 }
 
@@ -68,9 +67,7 @@ Result<void> SurfaceMotionPlanner::pass(const SurfaceCurve& curve, double feed_m
     if (!axes) return fail(axes.error());
     pass->axes = *std::move(axes);
     if (auto joined = check_joint(*pass->axes); !joined) return joined;
-    auto plan = feed::plan_stretch(*pass->axes, options_.plan.feed);
-    if (!plan) return fail(plan.error());
-    return hand_out({.pass = pass, .plan = *std::move(plan)});
+    return plan({.pass = pass});
 }
 
 /// The axes go on from where they stand.
@@ -90,15 +87,41 @@ Result<void> SurfaceMotionPlanner::check_joint(const path::AxisPath& next) const
     return {};
 }
 
-Result<void> SurfaceMotionPlanner::hand_out(PlannedSurfaceStretch stretch) {
+/// A stretch as feed::plan_stretch() plans it, handed out while it is planned.
+Result<void> SurfaceMotionPlanner::plan(PlannedSurfacePart stretch) {
     const path::AxisPath& axes = stretch.axes();
-    stretch.table = StretchTable::of(axes, stretch.plan.profile, way_mm_);
+    auto intervals = feed::IntervalStream::make(axes, options_.plan.feed);
+    if (!intervals) return fail(intervals.error());
+    feed::StretchPlanner planner(axes, options_.plan.feed);
+    std::size_t handed = 0;
+    stretch.begins = true;
     stretch.share = share_;
+    const auto take_new = [&](const motion::FeedProfile& planned) {
+        stretch.pieces.assign(planned.pieces.begin() + static_cast<std::ptrdiff_t>(handed), planned.pieces.end());
+        handed = planned.pieces.size();
+    };
+    for (feed::Interval interval;;) {
+        const auto more = intervals->next(interval);
+        if (!more) return fail(more.error());
+        if (!*more) break;
+        planner.push(interval);
+        if (planner.planned().pieces.size() == handed) continue;
+        take_new(planner.planned());
+        if (auto out = hand_out(stretch); !out) return out;
+        stretch.begins = false;
+    }
+    auto plan = planner.finish();
+    if (!plan) return fail(plan.error());
+    take_new(plan->profile);
+    stretch.plan = *std::move(plan);
     moved_ = true;
     at_ = axes.end_position();
-    way_mm_ = stretch.table.s_mm.back();
-    stretch.ready = std::chrono::steady_clock::now();
-    if (!sink_(std::move(stretch))) return fail({.code = "PIPE0002", .text = "cancelled"});
+    return hand_out(std::move(stretch));
+}
+
+Result<void> SurfaceMotionPlanner::hand_out(PlannedSurfacePart part) {
+    part.ready = std::chrono::steady_clock::now();
+    if (!sink_(std::move(part))) return fail({.code = "PIPE0002", .text = "cancelled"});
     return {};
 }
 

@@ -1,7 +1,6 @@
 #include "trunnion/pipeline/surface_summary.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "trunnion/base/quantity.hpp"
 
 #include "detail/diagnostics_json.hpp"
+#include "detail/freed_json.hpp"
 #include "detail/report_lines.hpp"
 
 namespace trunnion::pipeline {
@@ -68,13 +68,6 @@ std::string at_text(const Eigen::Vector3d& at) {
 std::string face_text(const SurfaceSummary& s, int index, int number) {
     const bool elsewhere = !s.part_file.empty() && index >= static_cast<int>(s.faces.size());
     return elsewhere ? fmt::format("face {} of {}", number, s.part_file) : fmt::format("face {}", number);
-}
-
-/// Order of surfacing::GougeKind.
-constexpr std::array gouge_kinds{"local", "rear", "global", "holder"};
-
-const char* kind_text(const surfacing::Gouge& gouge) {
-    return gouge_kinds[static_cast<std::size_t>(gouge.kind)];
 }
 
 void add_freed(ReportLines& lines, const SurfaceSummary& s) {
@@ -153,10 +146,6 @@ ordered_json splines_json(const SplineAccount& splines) {
             {"touch_error_mm", splines.touch_error_mm}};
 }
 
-ordered_json point_json(const Eigen::Vector3d& at) {
-    return {at.x(), at.y(), at.z()};
-}
-
 ordered_json in_part_json(const SurfacePartCheck& check) {
     if (!check.in_part) return nullptr;
     return {{"depth_mm", check.in_part->depth_mm},
@@ -167,25 +156,6 @@ ordered_json in_part_json(const SurfacePartCheck& check) {
 
 ordered_json part_json(const SurfaceSummary& s) {
     return {{"file", s.part_file}, {"faces", s.part->faces}, {"in_part", in_part_json(*s.part)}};
-}
-
-ordered_json freed_json(const FreedAccount& freed) {
-    ordered_json gouges, worst;
-    for (std::size_t k = 0; k < gouge_kinds.size(); ++k) gouges[gouge_kinds[k]] = freed.gouges[k];
-    if (freed.worst)
-        worst = {{"depth_mm", freed.worst->depth_mm},
-                 {"kind", kind_text(*freed.worst)},
-                 {"face", freed.worst_face},
-                 {"at_mm", point_json(freed.worst->at_mm)}};
-    return {{"gouges", gouges},
-            {"worst", worst},
-            {"tolerance_mm", freed.tolerance_mm},
-            {"passes_turned", freed.passes_turned},
-            {"largest_turn_deg", freed.largest_turn_rad / degree},
-            {"largest_step_deg", freed.largest_step_rad / degree},
-            {"rounds", freed.rounds},
-            {"links_raised", freed.links_raised},
-            {"highest_link_mm", freed.highest_link_mm}};
 }
 
 ordered_json left_json(const LeftAccount& left) {

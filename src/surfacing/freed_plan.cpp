@@ -150,10 +150,12 @@ class Freeing {
                 return fail(over_several_faces(*found->worst()));
         auto removed = deform(group, face, planned);
         if (!removed) return fail(std::move(removed.error()));
+        const auto orientation = std::make_shared<const OrientationSurface>(std::move(removed->orientation));
         for (std::size_t k = 0; k < members.size(); ++k) {
             Pass& pass = passes()[members[k]];
             out_.largest_turn_rad = std::max(out_.largest_turn_rad, largest_turn_rad(pass, removed->passes[k]));
             pass = std::move(removed->passes[k]);
+            pass.orientation = orientation;
             for (Contact& contact : pass.contacts) contact.face = group.face;
         }
         out_.passes_turned += members.size();

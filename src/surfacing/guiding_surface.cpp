@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "detail/bernstein.hpp"
-#include "detail/bezier_patch.hpp"
 #include "detail/face_box.hpp"
+#include "detail/patch_polynomials.hpp"
 #include "detail/tessellation.hpp"
 
 namespace trunnion::surfacing {
@@ -22,44 +21,10 @@ using geometry::SurfacePlace;
 
 namespace {
 
-const Vector3d zero = Vector3d::Zero();
-
-VectorBernstein points_of(const BezierPatch& patch) {
-    return detail::bernstein<Vector3d>(patch.degree_u, patch.degree_v, zero,
-                                       [&](int i, int j) -> Vector3d { return patch.at(i, j).head<3>(); });
-}
-ScalarBernstein weights_of(const BezierPatch& patch) {
-    return detail::bernstein<double>(patch.degree_u, patch.degree_v, 0.0,
-                                     [&](int i, int j) { return patch.at(i, j)[3]; });
-}
-bool even_weights(const BezierPatch& patch) {
-    const double first = patch.control.front()[3];
-    return std::ranges::all_of(patch.control,
-                               [first](const Eigen::Vector4d& c) { return std::abs(c[3] - first) <= 1e-15 * first; });
-}
-
-VectorBernstein ones(int n, int m, const VectorBernstein& a) {
-    const ScalarBernstein one = detail::bernstein<double>(n, m, 0.0, [](int, int) { return 1.0; });
-    return detail::times(one, a);
-}
-
-/// A patch of the face and one of the guiding surface over the same rectangle: w S = A.
+/// A patch of the face and one of the guiding surface over the same rectangle.
 struct Offset {
     const BezierPatch &face, &guiding;
     double radius, turn;  ///< r; −1 where the normal is against S_u × S_v
-
-    ScalarBernstein w() const {
-        if (!even_weights(face)) return weights_of(face);
-        return detail::bernstein<double>(0, 0, 0.0, [&](int, int) { return face.control.front()[3]; });
-    }
-    /// Along the normal: w⁴ S_u × S_v.
-    VectorBernstein normal(const ScalarBernstein& weight, const VectorBernstein& a) const {
-        using namespace detail;
-        if (weight.degree_u == 0 && weight.degree_v == 0) return scaled(cross(by_u(a), by_v(a)));
-        const VectorBernstein p = minus(times(weight, by_u(a)), times(by_u(weight), a));
-        const VectorBernstein q = minus(times(weight, by_v(a)), times(by_v(weight), a));
-        return scaled(cross(p, q));
-    }
 
     VectorBernstein scaled(VectorBernstein n) const {
         for (Vector3d& c : n.c) c *= turn;
@@ -74,17 +39,19 @@ struct OffsetBound {
 
 OffsetBound bound_of(const Offset& offset) {
     using namespace detail;
-    const ScalarBernstein w = offset.w();
-    const VectorBernstein a = points_of(offset.face), t = points_of(offset.guiding);
+    const PatchPolynomials face(offset.face);
+    const ScalarBernstein& w = face.w;
+    const VectorBernstein& a = face.a;
+    const VectorBernstein t = points_of(offset.guiding);
     const double least_weight = range(w).low;
     const int n = std::max(w.degree_u + 3, a.degree_u), m = std::max(w.degree_v + 3, a.degree_v);
     const VectorBernstein tw = times(w, t);
     // w (S₁ − S), both parts raised to the same degrees.
     const VectorBernstein e =
-        minus(ones(n - tw.degree_u, m - tw.degree_v, tw), ones(n - a.degree_u, m - a.degree_v, a));
+        minus(raised(n - tw.degree_u, m - tw.degree_v, tw), raised(n - a.degree_u, m - a.degree_v, a));
     OffsetBound out;
     if (offset.radius == 0) return {longest(e) / least_weight, true};
-    const VectorBernstein normal = offset.normal(w, a);
+    const VectorBernstein normal = offset.scaled(cross(face.along_u, face.along_v));
     const double least_normal = shortest(normal);
     out.regular = range(dot(offset.scaled(cross(by_u(t), by_v(t))), normal)).low > 0;
     if (!(least_normal > 0) || !(range(dot(e, normal)).low > 0)) return out;
@@ -93,9 +60,8 @@ OffsetBound bound_of(const Offset& offset) {
     ScalarBernstein ww = times(w, w);
     for (double& c : ww.c) c *= square;
     ScalarBernstein ee = dot(e, e);
-    const ScalarBernstein raised = times(
-        bernstein<double>(ee.degree_u - ww.degree_u, ee.degree_v - ww.degree_v, 0.0, [](int, int) { return 1.0; }), ww);
-    const HullRange off = range(minus(std::move(ee), raised));
+    const ScalarBernstein wanted = raised(ee.degree_u - ww.degree_u, ee.degree_v - ww.degree_v, ww);
+    const HullRange off = range(minus(std::move(ee), wanted));
     const double more = std::max(off.high, 0.0) / (least_weight * least_weight);
     const double less = std::max(-off.low, 0.0) / (least_weight * least_weight) + aside * aside;
     // √(r² + x) − r without cancellation.

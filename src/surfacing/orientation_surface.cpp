@@ -8,10 +8,12 @@
 #include "detail/bernstein.hpp"
 #include "detail/bezier_patch.hpp"
 #include "detail/face_box.hpp"
+#include "detail/lean_bound.hpp"
 #include "detail/tessellation.hpp"
 
 namespace trunnion::surfacing {
 
+using detail::BezierPatch;
 using Eigen::Vector3d;
 using geometry::SurfacePlace;
 
@@ -82,18 +84,126 @@ class SampledError {
     Vector3d off_[parts + 1][parts + 1];
 };
 
+/// Breaks of both, ascending, each once: those that are apart by rounding are the same.
+std::vector<double> together(std::vector<double> a, const std::vector<double>& b) {
+    const double same = 1e-12 * (a.back() - a.front());
+    a.insert(a.end(), b.begin(), b.end());
+    std::ranges::sort(a);
+    a.erase(std::unique(a.begin(), a.end(), [&](double x, double y) { return y - x <= same; }), a.end());
+    return a;
+}
+
+std::vector<double> breaks_of(const geometry::SurfaceDirection& direction) {
+    return detail::breaks_of(direction, direction.begin(), direction.end());
+}
+
+/// Of the patch of an interval's middle.
+std::size_t index_in(const std::vector<double>& breaks, double from, double to) {
+    const auto behind = std::ranges::upper_bound(breaks, 0.5 * (from + to));
+    return static_cast<std::size_t>(behind - breaks.begin()) - 1;
+}
+
+/// What a patch of a fit is off a field of constant lean: proved where it is within the tolerance.
+class LeanError {
+  public:
+    LeanError(const Face& face, const GuidingSurface& guiding, const detail::LeanField& field, double tolerance)
+        : face_(face), guiding_(guiding), field_(field), tolerance_(tolerance) {}
+
+    std::vector<double> operator()(const geometry::BsplineSurface& fit, const std::vector<double>& u,
+                                   const std::vector<double>& v) const {
+        const auto fine_u = together(u, breaks_of(guiding_.surface().u())),
+                   fine_v = together(v, breaks_of(guiding_.surface().v()));
+        const auto faces = detail::patches_of(face_.surface, fine_u, fine_v),
+                   lower = detail::patches_of(guiding_.surface(), fine_u, fine_v),
+                   upper = detail::patches_of(fit, fine_u, fine_v);
+        std::vector<double> out((u.size() - 1) * (v.size() - 1));
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            const Eigen::Vector2d &low = faces[k].low, &high = faces[k].high;
+            double& of_patch = out[index_in(u, low.x(), high.x()) * (v.size() - 1) + index_in(v, low.y(), high.y())];
+            if (detail::overlap(face_, low, high) == detail::Overlap::none) continue;
+            const double seen = largest_seen(fit, low, high);
+            of_patch = std::max(of_patch, seen > tolerance_ ? seen : error(faces[k], lower[k], upper[k], 0));
+        }
+        return out;
+    }
+
+  private:
+    /// Bounds get tighter with the rectangle.
+    double error(const BezierPatch& face, const BezierPatch& lower, const BezierPatch& upper, int level) const {
+        if (detail::overlap(face_, face.low, face.high) == detail::Overlap::none) return 0;
+        const double bound = detail::lean_error_bound_mm(field_, face, lower, upper);
+        constexpr int deepest = 6;
+        if (bound <= tolerance_ || level == deepest) return bound;
+        double largest = 0;
+        const bool across_u = level % 2 == 0;
+        const auto a = face.halves(across_u), b = lower.halves(across_u), c = upper.halves(across_u);
+        for (int half = 0; half < 2 && largest <= tolerance_; ++half)
+            largest = std::max(largest, error(a[half], b[half], c[half], level + 1));
+        return largest;
+    }
+
+    /// Of 5 × 5 places: nothing is to be proved where it is too much already.
+    double largest_seen(const geometry::BsplineSurface& fit, const Eigen::Vector2d& low,
+                        const Eigen::Vector2d& high) const {
+        constexpr int parts = 4;
+        double largest = 0;
+        for (int i = 0; i <= parts; ++i)
+            for (int j = 0; j <= parts; ++j) {
+                const SurfacePlace place{low.x() + (high.x() - low.x()) * i / parts,
+                                         low.y() + (high.y() - low.y()) * j / parts};
+                const auto shape = shape_at(face_.surface, place, face_.side);
+                const auto feed = shape ? field_.feed.at(*shape) : std::nullopt;
+                if (!feed) continue;
+                const Vector3d way = fit.at(place.u, place.v) - guiding_.at(place);
+                largest = std::max(largest, (way - field_.height_mm * axis_of(field_.lean, *shape, *feed)).norm());
+            }
+        return largest;
+    }
+
+    const Face& face_;
+    const GuidingSurface& guiding_;
+    const detail::LeanField& field_;
+    double tolerance_;
+};
+
+/// Breaks of a fit over the face's box, with patches no longer than the options say.
+detail::FaceBox spaced_box(const Face& face, const GuidingSurface& guiding, double spacing_mm) {
+    detail::FaceBox box = detail::face_box(face);
+    const double u_middle = 0.5 * (box.u.breaks.front() + box.u.breaks.back());
+    const double v_middle = 0.5 * (box.v.breaks.front() + box.v.breaks.back());
+    space(
+        box.u,
+        [&](double u) {
+            return guiding.at({u, v_middle});
+        },
+        spacing_mm);
+    space(
+        box.v,
+        [&](double v) {
+            return guiding.at({u_middle, v});
+        },
+        spacing_mm);
+    return box;
+}
+
+/// S₂ of an axis field, as a value at a place.
+detail::SurfaceValue value_of(const Face& face, const GuidingSurface& guiding,
+                              const OrientationSurface::AxisField& axis, double height_mm) {
+    return [&face, &guiding, axis, height_mm](const SurfacePlace& place) -> std::optional<Vector3d> {
+        const auto shape = shape_at(face.surface, place, face.side);
+        const auto wanted = shape ? axis(*shape) : std::nullopt;
+        if (!wanted) return std::nullopt;
+        return guiding.at(place) + height_mm * *wanted;
+    };
+}
+
 }  // namespace
 
 Result<OrientationSurface> OrientationSurface::make(const Face& face, const GuidingSurface& guiding,
                                                     const AxisField& axis, const OrientationLimits& limits,
                                                     const OrientationOptions& options) {
     if (auto sound = check_options(options, limits); !sound) return fail(std::move(sound.error()));
-    const detail::SurfaceValue value = [&](const SurfacePlace& place) -> std::optional<Vector3d> {
-        const auto shape = shape_at(face.surface, place, face.side);
-        const auto wanted = shape ? axis(*shape) : std::nullopt;
-        if (!wanted) return std::nullopt;
-        return guiding.at(place) + options.height_mm * *wanted;
-    };
+    const detail::SurfaceValue value = value_of(face, guiding, axis, options.height_mm);
     const detail::FitError error = [&](const auto& fit, const auto& u, const auto& v) {
         std::vector<double> out;
         SampledError sampled(fit, value);
@@ -105,11 +215,7 @@ Result<OrientationSurface> OrientationSurface::make(const Face& face, const Guid
             }
         return out;
     };
-    detail::FaceBox box = detail::face_box(face);
-    const double u_middle = 0.5 * (box.u.breaks.front() + box.u.breaks.back());
-    const double v_middle = 0.5 * (box.v.breaks.front() + box.v.breaks.back());
-    space(box.u, [&](double u) { return guiding.at({u, v_middle}); }, options.spacing_mm);
-    space(box.v, [&](double v) { return guiding.at({u_middle, v}); }, options.spacing_mm);
+    const detail::FaceBox box = spaced_box(face, guiding, options.spacing_mm);
     auto made = detail::fit(box.u, box.v, value, error, options.tolerance_mm, options.most_patches);
     if (!made) return fail(std::move(made.error()));
     return OrientationSurface(face, guiding, std::move(made->surface), limits, options, made->error_mm, made->patches)
@@ -119,14 +225,22 @@ Result<OrientationSurface> OrientationSurface::make(const Face& face, const Guid
 Result<OrientationSurface> OrientationSurface::make(const Face& face, const GuidingSurface& guiding, const Lean& lean,
                                                     const OrientationLimits& limits,
                                                     const OrientationOptions& options) {
-    return make(
-        face, guiding,
-        [&](const geometry::SurfaceShape& shape) -> std::optional<Vector3d> {
-            const auto feed = limits.feed.at(shape);
-            if (!feed) return std::nullopt;
-            return axis_of(lean, shape, *feed);
-        },
-        limits, options);
+    if (auto sound = check_options(options, limits); !sound) return fail(std::move(sound.error()));
+    const AxisField axis = [&](const geometry::SurfaceShape& shape) -> std::optional<Vector3d> {
+        const auto feed = limits.feed.at(shape);
+        if (!feed) return std::nullopt;
+        return axis_of(lean, shape, *feed);
+    };
+    const detail::LeanField field{face.side, limits.feed, lean, options.height_mm};
+    const LeanError error(face, guiding, field, options.tolerance_mm);
+    const detail::FaceBox box = spaced_box(face, guiding, options.spacing_mm);
+    auto made = detail::fit(
+        box.u, box.v, value_of(face, guiding, axis, options.height_mm),
+        [&](const auto& fit, const auto& u, const auto& v) { return error(fit, u.breaks, v.breaks); },
+        options.tolerance_mm, options.most_patches);
+    if (!made) return fail(std::move(made.error()));
+    return OrientationSurface(face, guiding, std::move(made->surface), limits, options, made->error_mm, made->patches)
+        .checked();
 }
 
 Result<OrientationSurface> OrientationSurface::lower_limit() const {
@@ -142,15 +256,8 @@ Vector3d OrientationSurface::axis(const SurfacePlace& place) const noexcept {
 }
 
 std::pair<double, double> OrientationSurface::distance_range_mm() const {
-    const auto breaks = [&](const geometry::SurfaceDirection& a, const geometry::SurfaceDirection& b) {
-        auto out = detail::breaks_of(a, a.begin(), a.end());
-        const auto more = detail::breaks_of(b, b.begin(), b.end());
-        out.insert(out.end(), more.begin(), more.end());
-        std::ranges::sort(out);
-        out.erase(std::unique(out.begin(), out.end()), out.end());
-        return out;
-    };
-    const auto u = breaks(surface_.u(), guiding_.surface().u()), v = breaks(surface_.v(), guiding_.surface().v());
+    const auto u = together(breaks_of(surface_.u()), breaks_of(guiding_.surface().u())),
+               v = together(breaks_of(surface_.v()), breaks_of(guiding_.surface().v()));
     const auto upper = detail::patches_of(surface_, u, v), lower = detail::patches_of(guiding_.surface(), u, v);
     detail::HullRange all;
     for (std::size_t k = 0; k < upper.size(); ++k) {

@@ -16,11 +16,16 @@ struct StretchTable {
     std::vector<Eigen::Vector3d> tip_mm;
 
     static StretchTable of(const path::AxisPath& path, const motion::FeedProfile& profile, double s_begin_mm);
+    /// The next piece of a profile that grows, as of() would have it; `s_begin_mm` counts for the first one.
+    void add(const path::AxisPath& path, const motion::ProfilePiece& piece, double s_begin_mm);
     /// Time from the stretch's start at which the motion passes p.
     double time_at(const motion::FeedProfile& profile, double at_mm) const;
     /// The tip's way at p.
     double way_at(double at_mm) const;
     std::size_t piece_at(double at_mm) const;
+
+  private:
+    void add_place(const path::AxisPath& path, path::PathPlace place, double s_begin_mm);
 };
 
 }  // namespace trunnion::pipeline

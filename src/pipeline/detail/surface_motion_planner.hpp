@@ -13,7 +13,6 @@
 #include "trunnion/pipeline/surface_motion.hpp"
 
 #include "detail/stretch.hpp"
-#include "detail/stretch_table.hpp"
 
 namespace trunnion::pipeline {
 
@@ -25,12 +24,14 @@ struct SurfacePass {
     double feed_mm_s = 0;
 };
 
-/// A piece of the motion over a surface from rest to rest, planned: a pass, or a part of a link.
-struct PlannedSurfaceStretch {
-    std::shared_ptr<const SurfacePass> pass;  ///< null: of a link
-    std::shared_ptr<const Stretch> link;      ///< null: a pass
-    feed::StretchPlan plan;
-    StretchTable table;
+/// The next piece of the motion over a surface: of a stretch from rest to rest, a pass or a part of a link, as much as
+/// the planner knows more of it.
+struct PlannedSurfacePart {
+    std::shared_ptr<const SurfacePass> pass;      ///< null: of a link
+    std::shared_ptr<const Stretch> link;          ///< null: of a pass
+    bool begins = false;                          ///< the stretch
+    std::vector<motion::ProfilePiece> pieces;     ///< that follow those of the part before; they never change
+    std::optional<feed::StretchPlan> plan;        ///< of the whole stretch, with its last part
     std::chrono::steady_clock::time_point ready;  ///< when it was planned
     double share = 0;                             ///< of the whole motion, behind it
 
@@ -48,12 +49,12 @@ Result<interpolation::SurfaceCurve> curve_of(const surfacing::Face& face,
                                              std::span<const geometry::SurfacePlace> places,
                                              const interpolation::SurfaceTool& tool, double tolerance_mm);
 
-/// Plans links and passes one after another, and hands them out as they are planned. What it is made from must outlive
-/// it and what it hands out.
+/// Plans links and passes one after another, and hands them out as they are planned, window by window of the feed
+/// planner. What it is made from must outlive it and what it hands out.
 class SurfaceMotionPlanner {
   public:
     /// False: nothing more is wanted.
-    using Sink = std::function<bool(PlannedSurfaceStretch)>;
+    using Sink = std::function<bool(PlannedSurfacePart)>;
 
     SurfaceMotionPlanner(const machine::Machine& machine, const machine::Setup& setup,
                          const machine::Kinematics& kinematics, const SurfaceMotionOptions& options, const Sink& sink)
@@ -73,7 +74,8 @@ class SurfaceMotionPlanner {
 
   private:
     Result<void> check_joint(const path::AxisPath& next) const;
-    Result<void> hand_out(PlannedSurfaceStretch stretch);
+    Result<void> plan(PlannedSurfacePart stretch);
+    Result<void> hand_out(PlannedSurfacePart part);
 
     const machine::Machine& machine_;
     const machine::Setup& setup_;
@@ -82,7 +84,7 @@ class SurfaceMotionPlanner {
     const Sink& sink_;
     machine::AxisPosition at_;
     bool moved_ = false;
-    double way_mm_ = 0, share_ = 0;
+    double share_ = 0;
 };
 
 }  // namespace trunnion::pipeline

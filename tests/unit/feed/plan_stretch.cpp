@@ -188,6 +188,35 @@ TEST(PlanStretch, CalmTradesTimeForJerk) {
     EXPECT_LT(planned(path, {.calm = 0.3}).profile.duration_s(), 1.012 * 1.15);
 }
 
+/// What is handed over while the rest is planned is what the whole plan begins with, and it is there early.
+TEST(StretchPlanner, ShowsAPlanThatGrowsAndStaysAsItIs) {
+    const Stretch path = random_corners(7, 12);
+    const feed::FeedOptions options{.window = 32};
+    auto intervals = feed::IntervalStream::make(*path.axis_path, options).value();
+    feed::StretchPlanner planner(*path.axis_path, options);
+    feed::Interval interval;
+    std::vector<motion::ProfilePiece> seen;
+    std::size_t pushed = 0, pushed_when_first_seen = 0;
+    for (; intervals.next(interval).value(); ++pushed) {
+        planner.push(interval);
+        const auto& pieces = planner.planned().pieces;
+        seen.insert(seen.end(), pieces.begin() + static_cast<std::ptrdiff_t>(seen.size()), pieces.end());
+        if (pushed_when_first_seen == 0 && !seen.empty()) pushed_when_first_seen = pushed + 1;
+    }
+    const auto plan = planner.finish();
+    ASSERT_TRUE(plan) << to_string(plan.error());
+    EXPECT_LE(pushed_when_first_seen, 48u);
+    EXPECT_GT(pushed, 200u);
+    EXPECT_GT(seen.size(), pushed / 2);
+    const auto whole = planned(path, options).profile.pieces;
+    ASSERT_EQ(plan->profile.pieces.size(), whole.size());
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        ASSERT_EQ(seen[k].begin_s, whole[k].begin_s) << k;
+        ASSERT_EQ(seen[k].x0, whole[k].x0) << k;
+        ASSERT_EQ(seen[k].length_mm, whole[k].length_mm) << k;
+    }
+}
+
 TEST(PlanStretch, BadInputIsRefused) {
     const Stretch path = straight({100, 0, 0, 0, 0}, 100, line_limits);
     const auto code = [](const auto& result) { return result ? std::string("none") : result.error().code; };

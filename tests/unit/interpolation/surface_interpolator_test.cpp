@@ -143,18 +143,17 @@ TEST(SurfaceInterpolator, moves_the_axes_to_the_pose_without_a_jump) {
 
 TEST(SurfaceInterpolator, stands_at_the_end_and_says_where_its_plan_ends) {
     const Pass pass = smooth_pass(50);
-    SurfaceProfile profile(pass.profile.pieces.size());
+    SurfaceProfile profile;
     SurfaceInterpolator interpolator(pass.curve, pass.path, pass.axes, profile, StepOrder::corrected);
     EXPECT_EQ(interpolator.at(0).status, SurfaceStatus::starved);
-    ASSERT_TRUE(profile.add(pass.profile.pieces[0]));
+    profile.add(pass.profile.pieces[0]);
     EXPECT_EQ(interpolator.at(1e-3).status, SurfaceStatus::moving);
     const double planned = profile.planned_s();
     EXPECT_EQ(planned, pass.profile.pieces[0].duration_s);
     const SurfaceInstant starved = interpolator.at(planned + 1e-3);
     EXPECT_EQ(starved.status, SurfaceStatus::starved);
     EXPECT_NEAR(starved.way_mm, pass.path.tool_path.pieces[0].length_mm, 1e-9);
-    for (std::size_t i = 1; i < pass.profile.pieces.size(); ++i) ASSERT_TRUE(profile.add(pass.profile.pieces[i]));
-    EXPECT_FALSE(profile.add({}));
+    for (std::size_t i = 1; i < pass.profile.pieces.size(); ++i) profile.add(pass.profile.pieces[i]);
     profile.finish();
     for (double t = planned; t < pass.profile.duration_s(); t += 1e-3) interpolator.at(t);
     const SurfaceInstant end = interpolator.at(100);
@@ -163,15 +162,26 @@ TEST(SurfaceInterpolator, stands_at_the_end_and_says_where_its_plan_ends) {
     EXPECT_LT((end.pose.tip_in_workpiece_mm - pose.tip_in_workpiece_mm).norm(), 1e-8);
 }
 
+TEST(SurfaceProfile, keeps_pieces_where_they_are_while_it_grows) {
+    SurfaceProfile profile;
+    EXPECT_EQ(profile.planned_s(), 0);
+    profile.add({.begin_s = 0, .duration_s = 1});
+    const ProfilePiece* const first = &profile[0];
+    for (int i = 1; i < 3000; ++i) profile.add({.begin_s = 1.0 * i, .duration_s = 1});
+    EXPECT_EQ(first, &profile[0]);
+    for (std::size_t i = 0; i < 3000; ++i) ASSERT_EQ(profile[i].begin_s, static_cast<double>(i));
+    EXPECT_EQ(profile.planned_s(), 3000);
+}
+
 /// Pieces come from another thread while the interpolator runs, so fast that it starves now and then. What it says of a
 /// time for which the plan was there is what it says of a plan that was complete before.
 TEST(SurfaceInterpolator, takes_over_pieces_from_another_thread) {
     const Pass pass(patched_hills(60, 12), line(0.1, 0.2, 0.9, 0.7), {5, 0, 0, 0}, 50);
     const SurfaceProfile complete(pass.profile);
-    SurfaceProfile growing(pass.profile.pieces.size());
+    SurfaceProfile growing;
     std::jthread planner([&] {
         for (const ProfilePiece& piece : pass.profile.pieces) {
-            EXPECT_TRUE(growing.add(piece));
+            growing.add(piece);
             std::this_thread::yield();
         }
         growing.finish();

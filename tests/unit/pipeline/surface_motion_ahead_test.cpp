@@ -89,6 +89,24 @@ TEST(SurfaceMotionAhead, moves_the_same_with_one_thread_and_with_two) {
     EXPECT_TRUE(same(one.rows, two.rows));
 }
 
+/// A pass begins while its end is not planned: parts come out window by window, the same whenever they are asked for.
+TEST(SurfaceMotionAhead, hands_over_a_pass_while_it_is_planned) {
+    SurfaceCase work(slope());
+    const auto plan = work.plan();
+    Recorder whole;
+    const auto at_once = work.move(plan, whole);
+    work.options.plan.feed.window = 100;
+    Recorder one, two;
+    const auto early = work.move(plan, one);
+    work.options.plan.threads = 2;
+    ASSERT_TRUE(at_once && early && work.move(plan, two));
+    EXPECT_TRUE(same(one.rows, two.rows));
+    EXPECT_GT(one.shares.size(), whole.shares.size() + plan.passes.size());
+    EXPECT_TRUE(std::ranges::is_sorted(one.shares));
+    EXPECT_LT(early->motion.cycle_time_s, 1.002 * at_once->motion.cycle_time_s);
+    EXPECT_LT(largest_ratio(work, one), 1.001);
+}
+
 /// The first error of the motion comes behind what was moved before it, on whichever thread it was found.
 TEST(SurfaceMotionAhead, stops_where_planning_or_its_observer_ends) {
     SurfaceCase work(slope());

@@ -75,6 +75,39 @@ TEST(OrientationSurface, HoldsLeadAndTiltWithinItsBound) {
     }
 }
 
+/// Whatever lead and tilt are counted from, on polynomials and on rational surfaces: the bound holds, and is no wild
+/// one.
+TEST(OrientationSurface, IsProvedToBeWithinItsTolerance) {
+    const std::vector<Face> faces{form(), facing(cylinder(20, 30, 2), {0, 0, 1}), facing(plane(40, 30), {0, 0, -1})};
+    const FeedReference feeds[] = {{.along = FeedReference::Along::u},
+                                   {.along = FeedReference::Along::v},
+                                   {.along = FeedReference::Along::direction, .direction = {1, 0.7, 0.2}}};
+    for (const Face& face : faces) {
+        const auto below = GuidingSurface::make(face, Cutter::make(torus_tool(12, 3)).value()).value();
+        const auto &u = below.surface().u(), &v = below.surface().v();
+        for (const FeedReference& feed : feeds)
+            for (const Lean& lean : {Lean{-8 * degree, 20 * degree}, Lean{0, 0}, Lean{10 * degree, 0}}) {
+                if (feed.along != FeedReference::Along::u && lean.tilt_rad == 0) continue;
+                OrientationLimits limits = wide_limits();
+                limits.feed = feed;
+                const auto made = OrientationSurface::make(face, below, lean, limits, {.spacing_mm = 50});
+                ASSERT_TRUE(made) << to_string(made.error());
+                double largest = 0;
+                each_place(30, [&](const SurfacePlace& share) {
+                    const SurfacePlace at{u.begin() + share.u * (u.end() - u.begin()),
+                                          v.begin() + share.v * (v.end() - v.begin())};
+                    const auto shape = shape_at(face.surface, at, face.side).value();
+                    const Vector3d wanted = axis_of(lean, shape, *feed.at(shape));
+                    largest = std::max(largest, (made->surface().at(at.u, at.v) - below.at(at) - 50 * wanted).norm());
+                });
+                EXPECT_LE(largest, made->error_bound_mm() + 1e-9);
+                EXPECT_LE(made->error_bound_mm(), 0.01);
+                EXPECT_LT(made->error_bound_mm(), 8 * largest + 1e-3);
+                EXPECT_LT(made->patches(), 400u);
+            }
+    }
+}
+
 TEST(OrientationSurface, HasLimitsThatAreSurfacesThemselves) {
     const auto made = with_lead(5);
     const auto low = made.lower_limit().value(), upper = made.upper_limit().value();

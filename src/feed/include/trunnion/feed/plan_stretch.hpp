@@ -101,6 +101,9 @@ class StretchPlanner {
     StretchPlanner& operator=(StretchPlanner&&) noexcept;
 
     void push(const Interval& interval);
+    /// What is planned so far, from the begin of the stretch: it grows at the end, and what it has stays as it is. Each
+    /// piece holds the limits, and a motion over them can go on. Where finish() fails they end at rest.
+    const motion::FeedProfile& planned() const noexcept;
     /// Once, behind the last interval. Errors: FEED0003 / FEED0004 as FeedPlanner.
     Result<StretchPlan> finish();
 

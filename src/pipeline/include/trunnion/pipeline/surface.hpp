@@ -28,6 +28,10 @@ struct SurfaceLeaving {
     surfacing::Holder holder{};
 };
 
+/// What freeing may do to passes led by `lead_rad` where nobody says otherwise: lead and tilt up to 60° either way; the
+/// lead of a tool that is no ball keeps its sign, from 1° or half of it on.
+surfacing::OrientationLimits lean_limits(const surfacing::Cutter& cutter, double lead_rad);
+
 struct SurfaceProgramOptions {
     surfacing::SurfaceOptions passes;
     std::optional<SurfaceFreeing> freeing;  ///< none: the plan stays as it is, gouging or not

@@ -34,9 +34,10 @@ struct SurfaceMotionSummary {
     double fit_tip_mm = 0, fit_axis_rad = 0;  ///< polynomials that the feed was planned on, from the true poses
     double bridge_tip_mm = 0, bridge_axis_rad = 0, bridged_mm = 0;  ///< over knots of the surface and poles
     /// Seconds of work: from the call until the first setpoints were ready; and by how much, had the motion begun then,
-    /// every stretch was planned before it was due, the least of all.
+    /// every part of it was planned before it was due, the least of all.
     double first_ready_s = 0, least_ahead_s = 0;
     std::optional<SurfacePartCheck> part;  ///< none: not looked at; whoever moves sets it (MotionInPart)
+    std::optional<FreedAccount> freed;     ///< of the plan; whoever made it sets it
 
     bool usable() const { return motion.usable() && !(part && part->in_part); }
     std::string report() const;
@@ -46,15 +47,17 @@ std::string to_json(const SurfaceMotionSummary& summary);
 /// Moves a tool over a surface plan: every pass on the surface itself, by interpolation::SurfaceInterpolator, from rest
 /// to rest; the links between as the moves of the plan's program, rounded and planned as plan() does. The feed is
 /// lowered ahead of places where velocity, acceleration or jerk of an axis would exceed its limit. Where the tool axis
-/// passes a pole within 1e-5 rad, it is led through it (interpolation::surface_path).
+/// passes a pole within 1e-5 rad, it is led through it (interpolation::surface_path). A pass that stands on an
+/// orientation surface (freed of gouges) takes its axis from there, every period.
 ///
-/// `faces`: those that were planned (Contact::face). The setup's [tool] is the tool. Setpoints of a stretch come as
-/// soon as it is planned; work and motion go on pass by pass, so that memory follows the longest pass; with two threads
-/// planning runs at most 64 stretches ahead on one of its own, and all that comes out is the same but for the times.
+/// `faces`: those that were planned (Contact::face). The setup's [tool] is the tool. Setpoints come as
+/// soon as a window of the feed planner is planned (FeedOptions::window); memory follows the longest pass; with two
+/// threads planning runs at most 64 windows ahead on one of its own, and all that comes out is the same but for times.
 ///
 /// Errors: PIPE0001 a period or tolerance that is not above 0, threads neither 1 nor 2; PIPE0130 the program of the
 /// plan does not go through the poses of its passes; PIPE0131 an axis would have to turn where a pass begins (at the
-/// pole); PIPE0132 the poses of a pass have not the lead and tilt of the options; PIPE0002 cancelled; those of
+/// pole); PIPE0132 the poses of a pass have not the lead and tilt of the options, or the axes of its orientation
+/// surface; PIPE0002 cancelled; those of
 /// interpolation (INTP), path and feed.
 Result<SurfaceMotionSummary> move_surface(const surfacing::SurfacePlan& plan, std::span<const surfacing::Face> faces,
                                           const surfacing::SurfaceOptions& surface, const machine::Machine& machine,
@@ -71,7 +74,7 @@ Result<std::vector<verify::ProgrammedPose>> programmed_poses(const surfacing::Su
 /// before is planned, offset from it by the least interval that Eq. 2 gives along it (normal radii). One whole face;
 /// strategy, feed angle and borders of the options are not used; the last pass is the border of largest v.
 ///
-/// Passes are laid and planned on a thread of its own, at most 64 stretches ahead, while the caller's thread
+/// Passes are laid and planned on a thread of its own, at most 64 windows ahead, while the caller's thread
 /// interpolates: an observer that takes its time over every setpoint, as a control does, has the next ones ready
 /// (`least_ahead_s`). The tool is held against the face where it touches it, against nothing else of the part: that
 /// MotionInPart tells afterwards.

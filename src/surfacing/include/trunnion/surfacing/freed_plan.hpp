@@ -21,7 +21,7 @@ struct FreeingOptions {
 
 /// A plan without gouges, and what it took.
 struct FreedPlan {
-    SurfacePlan plan;
+    SurfacePlan plan;  ///< passes turned say on which orientation surface they stand, which needs the plan's faces
     std::array<std::size_t, 4> gouges{};  ///< contacts from which a move gouged, by GougeKind
     std::optional<Gouge> worst;           ///< of them; none: nothing gouged, and no pass was changed
     std::size_t poses = 0;                ///< looked at in the plan as it was

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -51,9 +52,13 @@ struct Contact {
     int face = 0;                      ///< of the faces planned together, which one `place` is on, from 0
 };
 
+class OrientationSurface;
+
 struct Pass {
     std::vector<Contact> contacts;  ///< two or more, in the order of motion
     int index = 0;                  ///< passes of neighbouring indices run beside each other; −1: along a border
+    /// That its poses stand on, with the face of its contacts; none: lead and tilt of the options.
+    std::shared_ptr<const OrientationSurface> orientation{};
 };
 
 /// A place of a face that a plan leaves as it is.
