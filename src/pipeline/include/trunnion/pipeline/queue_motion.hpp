@@ -41,7 +41,8 @@ struct QueueOptions {
     /// A motion begins when so many moves or so much way have come, or close() was called. Both at least 1.
     std::size_t moves_to_begin = 200;
     double way_to_begin_mm = 60;
-    std::size_t moves_to_go_on = 100;  ///< that are taken up at once while it is under way
+    /// That are taken up at once while it is under way; at least a quarter of those that are known ahead.
+    std::size_t moves_to_go_on = 25;
 };
 
 /// Moves along what a control queues, move by move, while it still comes in: as LiveMotion, but the end of the way is
@@ -73,15 +74,16 @@ class QueueMotion : public LiveRows {
 
     /// One period on; `waiting`: stands, and nothing to move is there (or not enough to begin). Errors, nothing moves
     /// any more then: those of path building and planning, with the number of the move as line.
-    Result<LiveMotionState> tick() override;
+    using LiveRows::tick;
+    Result<LiveMotionState> tick(bool may_plan) override;
     /// Moves up to this one are behind the standstill that the plan in hand ends at.
     std::int32_t done_at_standstill() const;
 
     LiveRow begin() const override;
     std::size_t plan() const override;
     void rows_ahead(std::vector<LiveRow>& rows) const override;
-    void keep_standstill() override;
-    void go_back_to_standstill() override;
+    void keep_plan() override;
+    void take_back_plan() override;
 
   private:
     class State;
