@@ -86,7 +86,7 @@ Result<Scene> load_scene(const SurfaceRunCommand& command) {
     workplace->setup.tool = work->tool;
     std::vector<Diagnostic> told = work->list.diagnostics;
     told.insert(told.end(), workplace->diagnostics.begin(), workplace->diagnostics.end());
-    auto part = read_part(command.part, command.surface, *work, told);
+    auto part = read_part(command.part, command.surface, *work);
     if (!part) return fail(part.error());
     return Scene{std::move(*workplace), std::move(*work), std::move(*part), std::move(told)};
 }
