@@ -2,14 +2,15 @@
 
     nice -n 10 /usr/bin/python3 scripts/table_of_surfaces.py TRUNNION FOLDER [FILE…] > docs/surfaces-planned.md
 
-Of each file, or of those that are named, the first FACES faces that are curved, or else the first ones. Balls are shares of the face's width, the
-root of its area; the scallop is such that some PASSES passes are as wide as the face, a fortieth of the ball at the most; all that is asked stands in the
-row. Strategies are tried in the order of STRATEGIES, first as they are, then with --leave-out where a plan is refused or
-goes into the part, until one is usable. No call may take more than SECONDS of processor time, no face more than
+Of each file, or of those that are named, the FACES largest faces that are curved, or else the largest ones; of faces of equal area and radii, as blades
+are, the first. Balls are shares of the face's width, the root of its area; the scallop is such that some PASSES passes are as wide as the face, a
+fortieth of the ball at the most; a plan may gouge by a tenth of the scallop; all that is asked stands in the row. What the tool cannot reach is left out. Each ball is
+tried upright and leaning, in the order of WAYS, until a plan is usable. No call may take more than SECONDS of processor time, no face more than
 SECONDS_A_FACE.
 """
 import json
 import math
+import multiprocessing
 import pathlib
 import re
 import resource
@@ -17,13 +18,20 @@ import subprocess
 import sys
 import tempfile
 
-FACES = 1
+FACES = 2
 STEPS = [1, 2, 5]
 WIDTHS_PER_BALL = [8, 16, 32]
-STRATEGIES = ['along-u', 'along-v', 'constant-scallop', 'parallel-planes']
+WAYS = [['along-u'], ['along-v'], ['along-u', '--tilt=60deg'], ['along-u', '--tilt=-60deg'], ['along-v', '--tilt=60deg'],
+        ['along-v', '--tilt=-60deg']]
 PASSES = 60
 MOST_LEFT = 0.5
-SECONDS, SECONDS_A_FACE = 25, 45
+SECONDS, SECONDS_A_FACE = 45, 90
+
+BEHIND = """
+"goes … into face … of the file": the look at every move finds the tool in the part; such a plan is written, counts as not usable, and the command ends with
+status 1. One face of a part is planned against all of its faces: blades beside each other, and shoulders, are what the tool meets. "… % left": the tool
+does not reach more of the face. Faces of closed bodies have material behind them, all others are sheets as thin as paper (docs/theory/guiding-surfaces.md, 3).
+Codes are those of docs/diagnostics.md; behind each the ball with which it came last."""
 
 trunnion, folder, only = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3:]
 
@@ -43,11 +51,14 @@ def radius(text):
 
 
 def faces_of(listed):
-    """Number, area in mm² and least radius of a hollow, of the faces that are looked at."""
+    """Number, area in mm² and least radii of a hollow and of a hump, of the faces that are looked at."""
     rows = [line.split() for line in listed.splitlines() if re.match(r'\s*\d+\s+[\d.]', line) and len(line.split()) > 7]
     faces = [(int(r[0]), float(r[3]), radius(r[4]), radius(r[5])) for r in rows]
     curved = [f for f in faces if f[2] < math.inf or f[3] < math.inf]
-    return len(faces), (curved or faces)[:FACES]
+    alike = {}
+    for face in curved or faces:
+        alike.setdefault(tuple(f'{x:.2g}' for x in face[1:]), face)
+    return len(faces), sorted(alike.values(), key=lambda face: -face[1])[:FACES]
 
 
 def rounded(value, up):
@@ -60,19 +71,16 @@ def length(mm):
     return f'{1e3 * mm:g}um' if mm < 0.1 else f'{mm:g}mm'
 
 
-def asked(area, hollow):
+def asked(area):
     """Options, the largest ball first; nothing for faces that all balls are too large for."""
     width = math.sqrt(area)
     for widths in WIDTHS_PER_BALL:
         ball = rounded(width / widths, False)
         scallop = min(rounded((width / PASSES) ** 2 / (4 * ball), True), rounded(ball / 40, False))
-        large = [] if ball <= 20 else ['--gouge-tolerance', length(scallop / 10), '--retract', length(2 * ball),
-                                       '--longest-step', length(ball / 5)]
-        for strategy in STRATEGIES:
-            words = ['--tool', f'ball {length(ball)}', '--scallop', length(scallop), '--strategy', strategy, *large]
-            if ball / 2 < hollow:
-                yield words
-            yield [*words, '--leave-out']
+        large = [] if ball <= 20 else ['--retract', length(2 * ball), '--longest-step', length(ball / 5)]
+        for way in WAYS:
+            yield ['--tool', f'ball {length(ball)}', '--scallop', length(scallop), '--gouge-tolerance', length(scallop / 10),
+                   *large, '--leave-out', '--strategy', *way]
 
 
 def row(words, of, seconds):
@@ -87,12 +95,12 @@ def row(words, of, seconds):
             f'{1e3 * check["deepest_mm"]:.2f} | {left} | {seconds:.1f} | {told}')
 
 
-def planned(file, number, area, hollow, work):
+def planned(file, number, area, work):
     """The row of one face: of the first plan that is usable, else of the last one, or what refused it."""
     summary, last, refused = work / 'summary.json', None, {}
     spent = lambda: sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
     begun = spent()
-    for words in asked(area, hollow):
+    for words in asked(area):
         if spent() - begun > SECONDS_A_FACE:
             refused[f'stopped after {SECONDS_A_FACE} s'] = words[1]
             break
@@ -114,24 +122,39 @@ def planned(file, number, area, hollow, work):
     return last or f' | | | | | | | {told}'
 
 
+def wanted():
+    """File, its number of faces, and a face; or, of a file that is not read, the code."""
+    for file in sorted(folder.iterdir()):
+        if only and file.name not in only or file.suffix not in ('.step', '.stp', '.iges', '.igs', '.3dm'):
+            continue
+        listed = run('list', str(file), '-q')
+        if listed.returncode:
+            yield file, 0, code_of(listed)
+            continue
+        count, chosen = faces_of(listed.stdout)
+        for face in chosen:
+            yield file, count, face
+
+
+def line_of(task):
+    file, count, face = task
+    if not count:
+        return f'| {file.name} | | | | | | | | | | {face} |'
+    with tempfile.TemporaryDirectory() as name:
+        return f'| {file.name} | {count} | {face[0]} | {planned(file, face[0], face[1], pathlib.Path(name))} |'
+
+
 def main():
     print(__doc__.split('\n', 1)[0].replace('Plans and simulates', '# Surfaces planned\nWritten by `scripts/table_of_surfaces.py`: it plans and simulates'))
-    print(f'\nOf each file the first curved faces, {FACES} of them (flat ones where none is curved). Balls of 1/{", 1/".join(map(str, WIDTHS_PER_BALL))} of the face\'s width, rounded\n'
-          f'down; a scallop with which some {PASSES} passes are as wide as the face, a fortieth of the ball at the most; the first plan that is usable. Ridges, highest and deepest in µm; left: share of the\n'
-          f'area that is left out (`--leave-out`), at most {100 * MOST_LEFT:g} %; seconds of processor time: reading, planning, simulation and the check against the whole part.\n'
-          f'Up to {SECONDS} s a plan, {SECONDS_A_FACE} s a face.\n')
+    print(f'\nOf each file the {FACES} largest curved faces that are not alike (flat ones where none is curved). Balls of 1/{", 1/".join(map(str, WIDTHS_PER_BALL))} of the face\'s width,\n'
+          f'rounded down; a scallop with which some {PASSES} passes are as wide as the face, a fortieth of the ball at the most; gouges up to a tenth of the scallop; the tool\n'
+          f'upright, or leaning by 60° across the feed; the first plan that is usable. Ridges, highest and deepest in µm; left: share of the area that is left out,\n'
+          f'at most {100 * MOST_LEFT:g} %; seconds of processor time: reading, planning, simulation and the check against the whole part. Up to {SECONDS} s a plan, {SECONDS_A_FACE} s a face.\n')
     print('| file | faces | face | asked | passes | ridges | highest | deepest | left | seconds | told |\n|---|---|---|---|---|---|---|---|---|---|---|')
-    with tempfile.TemporaryDirectory() as name:
-        for file in sorted(folder.iterdir()):
-            if only and file.name not in only or file.suffix not in ('.step', '.stp', '.iges', '.igs', '.3dm'):
-                continue
-            listed = run('list', str(file), '-q')
-            if listed.returncode:
-                print(f'| {file.name} | | | | | | | | | | {code_of(listed)} |', flush=True)
-                continue
-            count, chosen = faces_of(listed.stdout)
-            for number, area, hollow, _ in chosen:
-                print(f'| {file.name} | {count} | {number} | {planned(file, number, area, hollow, pathlib.Path(name))} |', flush=True)
+    with multiprocessing.Pool(2) as pool:
+        for line in pool.imap(line_of, wanted()):
+            print(line, flush=True)
+    print(BEHIND)
 
 
 main()

@@ -172,7 +172,7 @@ pipeline::SurfaceSummary summary_of(const SurfacePlanCommand& command, const Sur
 /// Where a tool does not fit, with what would: passes are refused at the first such place, and that is not the worst.
 Diagnostic with_what_fits(Diagnostic error, const SurfaceWork& work) {
     if (error.code == "SURF0204") error.hint += ", or --free-gouges";
-    if (error.code == "SURF0203" || error.code == "SURF0204" || error.code == "SURF0209")
+    if (error.code == "SURF0203" || error.code == "SURF0204" || error.code == "SURF0209" || error.code == "SURF0210")
         error.hint += ", or --leave-out";
     if (error.code != "SURF0203") return error;
     double hollow_mm = HUGE_VAL;
@@ -188,12 +188,11 @@ Result<pipeline::SurfaceResult> make_program(const SurfacePlanCommand& command, 
     if (command.part.free_gouges) {
         const auto limits = lean_limits(command.part, work);
         if (!limits) return fail(limits.error());
-        options->freeing = {.others = part.others, .limits = *limits, .holder = part.holder};
+        options->freeing = *limits;
     }
-    if (command.part.leave_out) {
-        options->passes.leave_out = true;
-        options->leaving = {.others = part.others, .holder = part.holder};
-    }
+    options->passes.leave_out = command.part.leave_out;
+    options->others = part.others;
+    options->holder = part.holder;
     auto made = pipeline::make_surface_program(work.faces, work.cutter, *options);
     if (!made) return fail(with_what_fits(made.error(), work));
     return made;
@@ -230,14 +229,12 @@ Result<pipeline::SurfaceSummary> run(const SurfacePlanCommand& command) {
     if (!place) return fail(place.error());
     const auto work = load_surface(command.surface, place->setup);
     if (!work) return fail(work.error());
-    std::vector<Diagnostic> told;
-    const auto part = read_part(command.part, command.surface, *work, told);
+    const auto part = read_part(command.part, command.surface, *work);
     if (!part) return fail(part.error());
     auto made = make_program(command, *work, *part);
     if (!made) return fail(made.error());
     auto summary = summary_of(command, *work, *made);
     summary.part_file = part->file;
-    summary.diagnostics.insert(summary.diagnostics.end(), told.begin(), told.end());
     if (auto done = look_at(command, *work, *part, *made, summary); !done) return fail(done.error());
     if (summary.check && summary.check->verdict.left_mm2 > 0)
         summary.diagnostics.push_back({.code = "PIPE0122",

@@ -75,7 +75,7 @@ Result<surfacing::Holder> holder_of(const std::string& text) {
 void SurfacePartText::add_to(CLI::App& command) {
     command.add_option("--part", part,
                        "faces that the tool must not go into, beside those that are machined: FILE, FILE:3,5, or file: "
-                       "all of the surface's file; default: these, where its shells are closed");
+                       "all of the surface's file, which is the default");
     command.add_option("--holder", holder,
                        "\"50mm 40mm 120mm\": diameter, and from where to where up the axis from the tool's tip");
     CLI::Option* free = command.add_flag(
@@ -102,21 +102,12 @@ std::vector<Face> SurfacePart::with(const std::vector<Face>& machined) const {
     return out;
 }
 
-Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& surface, const SurfaceWork& work,
-                              std::vector<Diagnostic>& told) {
+Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& surface, const SurfaceWork& work) {
     const auto holder = holder_of(text.holder);
     if (!holder) return fail(holder.error());
     SurfacePart out{.holder = *holder};
     const PartName name = split(text.part);
     const bool own = text.part.empty() || name.file == "file" || is_same(name.file, surface.file);
-    if (text.part.empty() && work.list.open_shells > 0) {
-        if (work.faces.size() < work.list.faces.size())
-            told.push_back({.code = "PIPE0116",
-                            .severity = Severity::warning,
-                            .text = "whether the tool goes into faces that are not machined was not looked at",
-                            .hint = "the file has open shells; --part file takes all its faces"});
-        return out;
-    }
     auto list = own ? Result<surfacing::FaceList>(work.list) : pipeline::read_surface_faces(name.file);
     if (!list) return fail(list.error());
     auto faces = faces_of(name, *list);

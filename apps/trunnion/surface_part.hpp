@@ -30,11 +30,9 @@ struct SurfacePart {
     std::vector<surfacing::Face> with(const std::vector<surfacing::Face>& machined) const;
 };
 
-/// Default: all faces of the surface's file; where that has open shells, behind whose faces there need not be material,
-/// none but those that are machined, which is told (PIPE0116). Errors: PIPE0110, PIPE0117 a holder that is none, those
-/// of pipeline::read_surface_faces.
-Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& surface, const SurfaceWork& work,
-                              std::vector<Diagnostic>& told);
+/// Default: all faces of the surface's file. Errors: PIPE0110, PIPE0117 a holder that is none, those of
+/// pipeline::read_surface_faces.
+Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& surface, const SurfaceWork& work);
 
 /// Limits of --free-gouges. Where none is given for the least lead, the lead of a tool that is no ball keeps its sign.
 Result<surfacing::OrientationLimits> lean_limits(const SurfacePartText& text, const SurfaceWork& work);

@@ -47,11 +47,11 @@ pipeline::SurfaceMotionOptions motion_options(const SurfaceRunCommand& command, 
 /// What is moved over, and where the plan of it came from.
 Result<pipeline::SurfaceResult> planned(const SurfaceRunCommand& command, const SurfaceWork& work,
                                         const SurfacePart& part) {
-    pipeline::SurfaceProgramOptions options{.passes = work.options};
+    pipeline::SurfaceProgramOptions options{.passes = work.options, .others = part.others, .holder = part.holder};
     if (command.part.free_gouges) {
         const auto limits = lean_limits(command.part, work);
         if (!limits) return fail(limits.error());
-        options.freeing = {.others = part.others, .limits = *limits, .holder = part.holder};
+        options.freeing = *limits;
     }
     return pipeline::make_surface_program(work.faces, work.cutter, options);
 }
@@ -103,7 +103,7 @@ Result<Scene> load_scene(const SurfaceRunCommand& command) {
     workplace->setup.tool = work->tool;
     std::vector<Diagnostic> told = work->list.diagnostics;
     told.insert(told.end(), workplace->diagnostics.begin(), workplace->diagnostics.end());
-    auto part = read_part(command.part, command.surface, *work, told);
+    auto part = read_part(command.part, command.surface, *work);
     if (!part) return fail(part.error());
     return Scene{std::move(*workplace), std::move(*work), std::move(*part), std::move(told)};
 }

@@ -6,6 +6,8 @@
 #include "trunnion/pipeline/surface.hpp"
 #include "trunnion/surfacing/plan_region.hpp"
 
+#include "detail/part_looks.hpp"
+
 namespace trunnion::pipeline {
 
 using surfacing::Cutter;
@@ -20,15 +22,6 @@ namespace {
 constexpr double ridge_slack = 1.005;
 constexpr double most_left = 0.5;   ///< of the area
 constexpr double body_error = 1.1;  ///< of depths, in body tolerances
-
-double body_tolerance_mm(double gouge_tolerance_mm) {
-    return std::max(0.005, 0.5 * gouge_tolerance_mm);
-}
-
-/// Of a tool of `radius_mm`, between poses that are looked at; for tools of 50 mm and more in proportion.
-double step_mm(double radius_mm) {
-    return std::max(1.0, 0.02 * radius_mm);
-}
 
 /// Keeps the deepest place of the tool in a part.
 class Depths {
@@ -49,7 +42,7 @@ class Depths {
     void ask_straight(const CutterPose& from, const CutterPose& to) {
         const geometry::GreatCircle turn(from.axis, to.axis);
         const double way_mm = (to.tip_mm - from.tip_mm).norm() + turn.angle_rad() * arm_mm_;
-        const int steps = std::max(1, static_cast<int>(std::ceil(way_mm / step_mm(cutter_.radius_mm()))));
+        const int steps = std::max(1, static_cast<int>(std::ceil(way_mm / check_step_mm(cutter_.radius_mm()))));
         for (int k = 1; k <= steps; ++k) {
             const double w = static_cast<double>(k) / steps;
             ask({(1 - w) * from.tip_mm + w * to.tip_mm, turn.at(w)});
@@ -87,10 +80,10 @@ std::optional<Penetration> deepest_in_part(const PartBody& body, const Cutter& c
 
 Result<SurfacePartCheck> check_part(std::span<const Face> part, const Cutter& cutter, const SurfaceResult& made,
                                     double gouge_tolerance_mm, const Holder& holder) {
-    const auto body = PartBody::make(part, body_tolerance_mm(gouge_tolerance_mm));
+    const auto body = PartBody::make(part, part_tolerance_mm(gouge_tolerance_mm));
     if (!body) return fail(body.error());
     SurfacePartCheck out{.faces = part.size(),
-                         .in_part = deepest_in_part(*body, cutter, holder, made, gouge_tolerance_mm)};
+                         .in_part = deepest_in_part(*body, cutter, holder, made, passing_depth_mm(gouge_tolerance_mm))};
     if (out.in_part) out.in_part_face = part[static_cast<std::size_t>(out.in_part->face)].number;
     return out;
 }

@@ -14,6 +14,8 @@
 #include "trunnion/surfacing/leave_out.hpp"
 #include "trunnion/surfacing/plan_region.hpp"
 
+#include "detail/part_looks.hpp"
+
 namespace trunnion::pipeline {
 
 using deformation::FittedDualPath;
@@ -168,18 +170,24 @@ class PassSplines {
     SplineAccount account_;
 };
 
+/// The faces that are machined first.
+std::vector<Face> part_of(std::span<const Face> faces, const SurfaceProgramOptions& options) {
+    std::vector<Face> out(faces.begin(), faces.end());
+    out.insert(out.end(), options.others.begin(), options.others.end());
+    return out;
+}
+
 /// Plans passes that may gouge, and frees them.
 class FreePlanning {
   public:
     FreePlanning(std::span<const Face> faces, const Cutter& cutter, const SurfaceOptions& passes,
-                 const SurfaceFreeing& freeing)
+                 const SurfaceProgramOptions& options)
         : faces_(faces),
           cutter_(cutter),
-          freeing_(freeing),
+          options_(options),
           passes_(passes),
-          part_(faces.begin(), faces.end()),
+          part_(part_of(faces, options)),
           tolerance_mm_(passes.gouge_tolerance_mm) {
-        part_.insert(part_.end(), freeing.others.begin(), freeing.others.end());
         passes_.chord_tolerance_mm = std::min(passes.chord_tolerance_mm, freed_chord_share * tolerance_mm_);
         passes_.gouge_tolerance_mm = any_depth_mm;
     }
@@ -191,7 +199,7 @@ class FreePlanning {
         if (!body) return fail(body.error());
         auto freed = surfacing::free_of_gouges(
             std::move(*plan), faces_, cutter_, *body, passes_,
-            {.tolerance_mm = tolerance_mm_, .limits = freeing_.limits, .holder = freeing_.holder});
+            {.tolerance_mm = tolerance_mm_, .limits = *options_.freeing, .holder = options_.holder});
         if (!freed) return fail(freed.error());
         SurfaceResult out{.freed = account_of(*freed)};
         out.plan = std::move(freed->plan);
@@ -215,29 +223,22 @@ class FreePlanning {
 
     std::span<const Face> faces_;
     const Cutter& cutter_;
-    const SurfaceFreeing& freeing_;
+    const SurfaceProgramOptions& options_;
     SurfaceOptions passes_;
     std::vector<Face> part_;
     double tolerance_mm_;
 };
 
-/// Of the gouge tolerance, the triangles of the part; as fine as they are made at the least.
-constexpr double left_part_share = 0.25, finest_part_mm = 0.002;
-
 /// Plans passes that may gouge, and cuts away where they do.
 Result<SurfaceResult> planned_within_reach(std::span<const Face> faces, const Cutter& cutter,
-                                           const SurfaceOptions& passes, const SurfaceLeaving& leaving) {
+                                           const SurfaceOptions& passes, const SurfaceProgramOptions& options) {
     auto plan = surfacing::plan_region(faces, cutter, passes);
     if (!plan) return fail(plan.error());
-    std::vector<Face> part(faces.begin(), faces.end());
-    part.insert(part.end(), leaving.others.begin(), leaving.others.end());
-    const double part_mm = std::max(left_part_share * passes.gouge_tolerance_mm, finest_part_mm);
-    const auto body = surfacing::PartBody::make(part, part_mm);
+    const auto body = surfacing::PartBody::make(part_of(faces, options), part_tolerance_mm(passes.gouge_tolerance_mm));
     if (!body) return fail(body.error());
-    // Chords and triangles are within the gouge tolerance of what is meant.
-    const double tolerance_mm = std::max(passes.gouge_tolerance_mm, 2 * part_mm);
+    const double tolerance_mm = passing_depth_mm(passes.gouge_tolerance_mm);
     auto reached = surfacing::leave_out_gouges(std::move(*plan), faces, cutter, *body, passes,
-                                               {.tolerance_mm = tolerance_mm, .holder = leaving.holder});
+                                               {.tolerance_mm = tolerance_mm, .holder = options.holder});
     if (!reached) return fail(reached.error());
     SurfaceResult out{.left = LeftAccount{.way_mm = reached->left_way_mm,
                                           .deepest_mm = reached->deepest_mm,
@@ -247,10 +248,17 @@ Result<SurfaceResult> planned_within_reach(std::span<const Face> faces, const Cu
     return out;
 }
 
-Result<SurfaceResult> planned_as_it_is(std::span<const Face> faces, const Cutter& cutter,
-                                       const SurfaceOptions& passes) {
+Result<SurfaceResult> planned_as_it_is(std::span<const Face> faces, const Cutter& cutter, const SurfaceOptions& passes,
+                                       const SurfaceProgramOptions& options) {
     auto plan = surfacing::plan_region(faces, cutter, passes);
     if (!plan) return fail(plan.error());
+    if (options.others.empty() && options.holder.radius_mm == 0) return SurfaceResult{.plan = std::move(*plan)};
+    // Of a part that is too fine to be looked at, the links keep clear of the faces alone.
+    if (const auto body =
+            surfacing::PartBody::make(part_of(faces, options), part_tolerance_mm(passes.gouge_tolerance_mm)))
+        surfacing::lead_links_clear(
+            *plan, cutter, *body, passes,
+            {.tolerance_mm = passing_depth_mm(passes.gouge_tolerance_mm), .holder = options.holder});
     return SurfaceResult{.plan = std::move(*plan)};
 }
 
@@ -287,13 +295,11 @@ surfacing::OrientationLimits lean_limits(const Cutter& cutter, double lead_rad) 
 Result<SurfaceResult> make_surface_program(std::span<const Face> faces, const Cutter& cutter,
                                            const SurfaceProgramOptions& options) {
     const SurfaceOptions passes = options.splines ? close_contacts(options.passes) : options.passes;
-    if (options.freeing && options.leaving)
+    if (options.freeing && passes.leave_out)
         return fail({.code = "PIPE0119", .text = "gouges are either freed or left out, not both"});
-    if (options.leaving && !passes.leave_out)
-        return fail({.code = "PIPE0119", .text = "places are left out of a plan that is not to leave any out"});
-    auto planned = options.freeing   ? FreePlanning(faces, cutter, passes, *options.freeing).run()
-                   : options.leaving ? planned_within_reach(faces, cutter, passes, *options.leaving)
-                                     : planned_as_it_is(faces, cutter, passes);
+    auto planned = options.freeing    ? FreePlanning(faces, cutter, passes, options).run()
+                   : passes.leave_out ? planned_within_reach(faces, cutter, passes, options)
+                                      : planned_as_it_is(faces, cutter, passes, options);
     if (!planned) return planned;
     SurfaceResult& out = *planned;
     for (const Pass& pass : out.plan.passes) out.contacts += pass.contacts.size();

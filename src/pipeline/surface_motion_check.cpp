@@ -4,13 +4,9 @@
 
 #include "trunnion/geometry/great_circle.hpp"
 
+#include "detail/part_looks.hpp"
+
 namespace trunnion::pipeline {
-
-namespace {
-
-constexpr double step_mm = 1;  // as check_part() steps: what is kept closer is not divided
-
-}  // namespace
 
 MotionInPart::MotionInPart(const machine::Kinematics& kinematics, const surfacing::Cutter& cutter,
                            const surfacing::Holder& holder, PlanObserver& next)
@@ -22,7 +18,8 @@ MotionInPart::MotionInPart(const machine::Kinematics& kinematics, const surfacin
 
 void MotionInPart::setpoint(const motion::Setpoint& row) {
     const machine::Pose pose = kinematics_.forward(row.position);
-    if (last_ && way_mm(*kept_, pose) > step_mm) keep(*last_);
+    // What is kept closer than check_part() steps is not divided there.
+    if (last_ && way_mm(*kept_, pose) > std::min(1.0, check_step_mm(cutter_.radius_mm()))) keep(*last_);
     if (!kept_) keep(pose);
     last_ = pose;
     next_.setpoint(row);

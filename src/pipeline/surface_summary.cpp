@@ -105,7 +105,7 @@ void add_left(ReportLines& lines, const SurfaceSummary& s) {
                                       left.way_mm, left.passes_lost, left.deepest_mm));
     if (left.ridges_too_high > 0)
         lines.add(
-            "", fmt::format("at {} places beside passes no distance of them keeps the scallop", left.ridges_too_high));
+            "", fmt::format("at {} places no distance of passes keeps the scallop, or none gets there", left.ridges_too_high));
     if (s.check) lines.add("", fmt::format("{:.2f} % of the area is left", 100 * left_share(s.check->verdict)));
 }
 

@@ -31,7 +31,7 @@ double arm_mm(const Cutter& cutter, const Holder& holder) {
 }  // namespace
 
 double look_mm(const Cutter& cutter) {
-    return std::max(0.5, 0.02 * cutter.radius_mm());
+    return std::min(std::max(0.5, 0.02 * cutter.radius_mm()), 0.5 * cutter.radius_mm());
 }
 
 int looks_between(const CutterPose& from, const CutterPose& to, const Cutter& cutter, const Holder& holder) {
@@ -47,13 +47,21 @@ Result<Link> LinkSearch::link(const Pass* before, const Pass* next) const {
     for (int k = 0;; ++k, height_mm *= 2) {
         const auto in = in_part(before, next, height_mm);
         if (!in) return Link{.height_mm = height_mm};
-        if (k == most_doublings) return fail(none_free(*in, height_mm));
+        // What cannot be pulled up so far cannot be pulled up farther.
+        if (k < most_doublings && leave(before, next)) continue;
+        // In a channel, say, there is room beside the surface alone.
+        if (before && next && !in_part(before, next, options_.lift_mm)) return Link{.height_mm = options_.lift_mm};
+        return fail(none_free(*in, height_mm));
     }
+}
+
+bool LinkSearch::leave(const Pass* before, const Pass* next) const {
+    return (!before || leaves(before->contacts.back().pose)) && (!next || leaves(next->contacts.front().pose));
 }
 
 std::optional<Link> LinkSearch::any_link(const Pass* before, const Pass* next) const {
     if (auto over = link(before, next)) return std::move(*over);
-    if (!before || !next) return std::nullopt;
+    if (!before || !next || !leave(before, next)) return std::nullopt;
     const Eigen::Vector3d middle = part_.middle_mm();
     const double outside_mm = 1.02 * (part_.radius_mm() + options_.retract_mm + arm_mm(cutter_, holder_));
     const CutterPose &end = before->contacts.back().pose, &begin = next->contacts.front().pose;
@@ -114,7 +122,8 @@ std::optional<Penetration> LinkSearch::on_straight(const CutterPose& from, const
     for (int k = 0; k <= parts; ++k) {
         const double w = static_cast<double>(k) / parts;
         const CutterPose pose{(1 - w) * from.tip_mm + w * to.tip_mm, turn.at(w)};
-        if (auto in = part_.deepest(cutter_, pose, tolerance_mm_, holder_)) return in;
+        if (part_.is_deeper(cutter_, pose, tolerance_mm_, holder_))
+            return part_.deepest(cutter_, pose, tolerance_mm_, holder_);
     }
     return std::nullopt;
 }
@@ -152,12 +161,10 @@ Result<std::vector<Link>> free_links(std::span<const Pass> passes, const Cutter&
     return out;
 }
 
-std::vector<Link> links_where_free(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
-                                   const SurfaceOptions& options) {
-    const LinkSearch search(cutter, part, options, 2 * part.tolerance_mm(), {});
+std::vector<Link> links_where_free(std::span<const Pass> passes, const LinkSearch& search) {
     std::vector<Link> out;
     for (std::size_t k = 0; k <= passes.size(); ++k)
-        out.push_back(search.link(before(passes, k), next(passes, k)).value_or(Link{}));
+        out.push_back(search.any_link(before(passes, k), next(passes, k)).value_or(Link{}));
     return out;
 }
 

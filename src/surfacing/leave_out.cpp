@@ -240,4 +240,10 @@ Result<ReachedPlan> leave_out_gouges(SurfacePlan plan, std::span<const Face> fac
     return out;
 }
 
+void lead_links_clear(SurfacePlan& plan, const Cutter& cutter, const PartBody& part, const SurfaceOptions& options,
+                      const LeavingOptions& leaving) {
+    const detail::LinkSearch search(cutter, part, options, leaving.tolerance_mm, leaving.holder);
+    plan.program = detail::program_of(plan.passes, options, detail::links_where_free(plan.passes, search));
+}
+
 }  // namespace trunnion::surfacing

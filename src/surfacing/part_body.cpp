@@ -89,6 +89,37 @@ Vector3d nearest_on(const Corners& t, const Vector3d& p) {
     return t[0] + (vb * ab + vc * ac) / (va + vb + vc);
 }
 
+/// Cuts needles across, as of a ruled surface, so that their boxes are not as long as the part: most queries would meet
+/// them all. Shorter than `length_mm` nothing is cut.
+void add_short(const detail::Triangle& triangle, double length_mm, std::vector<detail::Triangle>& out) {
+    constexpr double needle = 8;
+    std::vector<detail::Triangle> left{triangle};
+    while (!left.empty()) {
+        const detail::Triangle part = left.back();
+        left.pop_back();
+        const auto side = [&](int k) { return (part.corner[(k + 1) % 3] - part.corner[k]).norm(); };
+        const int longest = std::max({0, 1, 2}, [&](int a, int b) { return side(a) < side(b); });
+        const double shortest = std::min({side(0), side(1), side(2)});
+        if (side(longest) <= length_mm || side(longest) <= needle * shortest) {
+            out.push_back(part);
+            continue;
+        }
+        const int next = (longest + 1) % 3;
+        const Vector3d half = 0.5 * (part.corner[longest] + part.corner[next]);
+        left.insert(left.end(), 2, part);
+        left[left.size() - 1].corner[longest] = half;
+        left[left.size() - 2].corner[next] = half;
+    }
+}
+
+/// The largest extent along an axis.
+double size_mm(const std::vector<detail::Triangle>& triangles) {
+    Vector3d low = triangles.front().corner[0], high = low;
+    for (const detail::Triangle& t : triangles)
+        for (const Vector3d& corner : t.corner) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+    return (high - low).maxCoeff();
+}
+
 }  // namespace
 
 Result<PartBody> PartBody::make(std::span<const Face> faces, double tolerance_mm) {
@@ -103,10 +134,16 @@ Result<PartBody> PartBody::make(std::span<const Face> faces, double tolerance_mm
         if (auto done = tessellate(faces[k], static_cast<std::int32_t>(k), tolerance_mm, most, triangles); !done)
             return fail(std::move(done.error()));
     if (triangles.empty()) return fail({.code = "SURF0302", .text = "a part needs faces with an extent to be a body"});
+    constexpr double share_of_part = 1.0 / 16;
+    const double length_mm = share_of_part * size_mm(triangles);
+    std::vector<detail::Triangle> cut;
+    for (const detail::Triangle& t : triangles) add_short(t, length_mm, cut);
     PartBody out;
     out.tolerance_ = tolerance_mm;
-    out.triangles_.reserve(triangles.size());
-    for (const detail::Triangle& t : triangles) out.triangles_.push_back({t.corner, t.face});
+    out.triangles_.reserve(cut.size());
+    for (const detail::Triangle& t : cut) out.triangles_.push_back({t.corner, t.face});
+    for (const Face& face : faces) out.solid_.push_back(face.solid);
+    out.any_solid_ = std::ranges::any_of(faces, &Face::solid);
     out.build();
     return out;
 }
@@ -176,7 +213,7 @@ void PartBody::deepen(const Body& body, bool any_will_do, Penetration& deepest) 
     }
 }
 
-PartBody::Nearest PartBody::nearest(const Vector3d& point) const {
+PartBody::Nearest PartBody::nearest(const Vector3d& point, bool of_solids) const {
     const auto apart = [&](const Box& box) {
         return ((point - box.middle).cwiseAbs() - box.half).cwiseMax(0.0).squaredNorm();
     };
@@ -196,6 +233,7 @@ PartBody::Nearest PartBody::nearest(const Vector3d& point) const {
         }
         for (std::int32_t i = box.first; i < box.first + box.count; ++i) {
             const Triangle& triangle = triangles_[static_cast<std::size_t>(i)];
+            if (of_solids && !solid_[static_cast<std::size_t>(triangle.face)]) continue;
             const Vector3d at = nearest_on(triangle.corner, point), normal = normal_of(triangle.corner);
             const double squared = (point - at).squaredNorm();
             if (squared > same * least) continue;
@@ -210,13 +248,14 @@ PartBody::Nearest PartBody::nearest(const Vector3d& point) const {
 }
 
 double PartBody::signed_distance_mm(const Vector3d& point) const {
-    const Nearest there = nearest(point);
+    const Nearest there = nearest(point, false);
     return there.behind() ? -there.distance : there.distance;
 }
 
-/// A ball of the tool whose middle is behind the skin is in it by its radius and more.
+/// A ball of the tool whose middle is behind the skin of a solid is in it by its radius and more.
 void PartBody::sink(const Vector3d& centre, double radius, Penetration& deepest) const {
-    const Nearest there = nearest(centre);
+    if (!any_solid_) return;
+    const Nearest there = nearest(centre, true);
     if (there.behind() && radius + there.distance > deepest.depth_mm)
         deepest = {radius + there.distance, there.at, there.normal, there.face, deepest.by_holder};
 }

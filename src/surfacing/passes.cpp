@@ -68,12 +68,14 @@ std::vector<Span> spans_within(const Job& job, const Way& way) {
     return out;
 }
 
-/// What ridges rise by for one unit that a pass is off sideways: they have that slope at their top. Where the tool does
-/// not fit, and no interval is, no ridge counts.
+/// What ridges rise by for one unit that a pass is off sideways: they have that slope at their top, no flank is steeper
+/// than 45° there. Where the tool does not fit, no ridge counts.
 double ridge_slope(const Job& job, const Station& at) {
+    constexpr double steepest = 1;
+    if (!(geometry::principal_curvatures(parting(job.cutter, at.shape, at.pose.axis)).smaller > 0)) return 0;
     const double interval =
         path_interval_mm(job.cutter, at.shape, at.pose.axis, at.shape.components(at.across), job.options.scallop_mm);
-    return interval > 0 ? 4 * job.options.scallop_mm / interval : 0;
+    return interval > 0 ? std::min(4 * job.options.scallop_mm / interval, steepest) : 0;
 }
 
 /// How far the tool, moved straight from one station to another, is off touching the surface in between, and what

@@ -10,14 +10,13 @@
 
 #include <fmt/format.h>
 
+#include "trunnion/surfacing/leave_out.hpp"
 #include "trunnion/surfacing/part_body.hpp"
 #include "trunnion/surfacing/plan_region.hpp"
 
-#include "detail/free_links.hpp"
 #include "detail/join_passes.hpp"
 #include "detail/passes.hpp"
 #include "detail/plane_sections.hpp"
-#include "detail/surface_program.hpp"
 #include "detail/sweep.hpp"
 
 namespace trunnion::surfacing {
@@ -82,8 +81,7 @@ class RegionPlanner {
         constexpr double part_tolerance_mm = 0.02;
         const auto part = PartBody::make(faces_, std::max(part_tolerance_mm, 0.5 * options_.gouge_tolerance_mm));
         if (!part) return fail(part.error());
-        plan_.program = detail::program_of(plan_.passes, options_,
-                                           detail::links_where_free(plan_.passes, cutter_, *part, options_));
+        lead_links_clear(plan_, cutter_, *part, options_, {.tolerance_mm = 2 * part->tolerance_mm()});
         return std::move(plan_);
     }
 
@@ -130,27 +128,38 @@ class RegionPlanner {
         return {};
     }
 
-    /// Whether the march got everywhere: it ends early where the surface turns away faster than passes can follow.
-    Result<void> check_cover(std::size_t number, const detail::Sweep& sweep) const {
+    /// Whether the march got everywhere: it ends early where the surface turns away faster than passes can follow, or
+    /// where the tool fits nowhere. With leave_out such places are left.
+    Result<void> check_cover(std::size_t number, const detail::Sweep& sweep) {
         const Face& face = faces_[number];
         const ParameterBox& box = jobs_[number].box;
         const double farthest = 1.5 * std::max(sweep.largest_interval_mm, 0.1 * cutter_.radius_mm());
         constexpr int grid = 24;
+        const Eigen::Vector2d cell = (box.high - box.low) / grid;
         for (int i = 0; i < grid * grid; ++i) {
-            const double a = (i / grid + 0.5) / grid, b = (i % grid + 0.5) / grid;
-            const geometry::SurfacePlace place{box.low.x() + a * (box.high - box.low).x(),
-                                               box.low.y() + b * (box.high - box.low).y()};
+            const geometry::SurfacePlace place{box.low.x() + (i / grid + 0.5) * cell.x(),
+                                               box.low.y() + (i % grid + 0.5) * cell.y()};
             if (!contains(face, place)) continue;
             const Eigen::Vector3d point = face.surface.at(place.u, place.v);
-            const auto near = [&](const detail::SweepWay& one) { return one.way.distance_mm(point) <= farthest; };
-            if (std::ranges::any_of(sweep.ways, near)) continue;
-            return refused(number, {.code = "SURF0210",
-                                    .text = fmt::format("passes do not get to ({:.3f} {:.3f} {:.3f})", point.x(),
-                                                        point.y(), point.z()),
-                                    .limit = fmt::format("a pass within {:.4g} mm", farthest),
-                                    .hint = "another strategy, or another direction of feed"});
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const detail::SweepWay& one : sweep.ways) {
+                nearest = std::min(nearest, one.way.distance_mm(point));
+                if (nearest <= farthest) break;
+            }
+            if (nearest <= farthest) continue;
+            if (!options_.leave_out) return refused(number, not_reached(point, farthest));
+            const Eigen::Vector3d corner = face.surface.at(place.u + 0.5 * cell.x(), place.v + 0.5 * cell.y());
+            plan_.left.push_back(
+                {.at_mm = point, .face = static_cast<int>(number), .reach_mm = nearest + (corner - point).norm()});
         }
         return {};
+    }
+
+    static Diagnostic not_reached(const Eigen::Vector3d& point, double farthest) {
+        return {.code = "SURF0210",
+                .text = fmt::format("passes do not get to ({:.3f} {:.3f} {:.3f})", point.x(), point.y(), point.z()),
+                .limit = fmt::format("a pass within {:.4g} mm", farthest),
+                .hint = "another strategy, or another direction of feed"};
     }
 
     /// Passes of one plane are joined where one ends and the next one begins.

@@ -46,6 +46,8 @@ Result<FaceList> read_faces(const std::string& file, const ReadFacesOptions&) {
 
 #include "trunnion/geometry/bspline_curve.hpp"
 
+#include "detail/solid_faces.hpp"
+
 namespace trunnion::surfacing {
 
 namespace {
@@ -227,7 +229,8 @@ class Notes {
     FaceList& list_;
 };
 
-void add_face(const TopoDS_Face& original, const ReadFacesOptions& options, FaceList& list, Notes& notes) {
+void add_face(const TopoDS_Face& original, const detail::SolidFaces& solid, const ReadFacesOptions& options,
+              FaceList& list, Notes& notes) {
     ++list.faces_in_file;
     BRepBuilderAPI_NurbsConvert conversion(original, true);
     const TopoDS_Face face = TopoDS::Face(conversion.Shape());
@@ -240,18 +243,20 @@ void add_face(const TopoDS_Face& original, const ReadFacesOptions& options, Face
     notes.add("SURF0106", fmt::format("face {} has an edge that is one point", list.faces_in_file),
               borders->degenerate_edges);
     const Side side = face.Orientation() == TopAbs_REVERSED ? Side::against : Side::along;
-    list.faces.push_back({std::move(*surface), side, std::move(borders->loops), list.faces_in_file});
+    list.faces.push_back({std::move(*surface), solid.turned.Contains(original) ? geometry::opposite(side) : side,
+                          std::move(borders->loops), list.faces_in_file, solid.faces.Contains(original)});
     if (lacks_normals(list.faces.back()))
         notes.add("SURF0107", fmt::format("face {} has places without a normal", list.faces_in_file));
 }
 
-void count_shells(const TopoDS_Shape& shape, FaceList& list, Notes& notes) {
-    for (TopExp_Explorer shells(shape, TopAbs_SHELL); shells.More(); shells.Next()) {
-        ++list.shells;
-        if (BRep_Tool::IsClosed(shells.Current())) continue;
-        ++list.open_shells;
-        notes.add("SURF0108", "a shell is open: which side of its faces is material is what the file says of each");
-    }
+void note(const detail::SolidFaces& solid, FaceList& list, Notes& notes) {
+    list.shells = solid.shells;
+    list.open_shells = solid.open_shells;
+    notes.add("SURF0108", "a shell is open: which side of its faces is material is what the file says of each",
+              solid.open_shells);
+    notes.add("SURF0110",
+              "a face of no closed shell looked into the body that it closes with others, and was turned over",
+              solid.turned.Extent());
 }
 
 }  // namespace
@@ -267,9 +272,10 @@ Result<FaceList> read_faces(const std::string& file, const ReadFacesOptions& opt
         if (!import) return fail(std::move(import.error()));
         list.unit = std::move(import->unit);
         if (import->shape.IsNull()) return refuse("SURF0104", file, "no face is in the file");
-        count_shells(import->shape, list, notes);
+        const auto solid = detail::solid_faces(import->shape, options.border_tolerance_mm);
+        note(solid, list, notes);
         for (TopExp_Explorer faces(import->shape, TopAbs_FACE); faces.More(); faces.Next()) try {
-                add_face(TopoDS::Face(faces.Current()), options, list, notes);
+                add_face(TopoDS::Face(faces.Current()), solid, options, list, notes);
             } catch (const Standard_Failure& failure) {
                 notes.add("SURF0105",
                           fmt::format("face {} is left out: {}", list.faces_in_file, failure.GetMessageString()));

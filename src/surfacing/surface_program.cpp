@@ -41,7 +41,7 @@ class ProgramWriter {
     void approach(const Pass* before, const CutterPose& to, double height_mm) {
         if (before) rapid(raised(before->contacts.back().pose, height_mm));
         rapid(raised(to, height_mm));
-        rapid(raised(to, options_.lift_mm));
+        if (height_mm > options_.lift_mm) rapid(raised(to, options_.lift_mm));
     }
     void rapid(const CutterPose& to) {
         program_.moves.push_back({.position_mm = to.tip_mm, .axis = to.axis, .kind = program::MoveKind::rapid});

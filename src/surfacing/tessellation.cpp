@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -37,20 +40,38 @@ bool crosses(const Vector2d& a, const Vector2d& b, const Vector2d& low, const Ve
     return from < to;
 }
 
+using Edges = std::vector<std::pair<Vector2d, Vector2d>>;
+
+Edges edges_of(const Face& face) {
+    Edges out;
+    each_edge(face, [&](const Vector2d& a, const Vector2d& b) { out.emplace_back(a, b); });
+    return out;
+}
+
+/// Those that a patch's height has to do with.
+Edges beside(const Edges& edges, const BezierPatch& patch) {
+    Edges out;
+    std::ranges::copy_if(edges, std::back_inserter(out), [&](const auto& edge) {
+        const auto& [a, b] = edge;
+        return std::min(a.y(), b.y()) <= patch.high.y() && std::max(a.y(), b.y()) >= patch.low.y();
+    });
+    return out;
+}
+
 /// The part of a face within one patch, cut at every height v where a border begins, ends or leaves the patch: between
 /// two such heights borders are straight and do not meet, so that pairs of them enclose trapezoids.
 class Cut {
   public:
-    Cut(const Face& face, const BezierPatch& patch) : patch_(patch) {
+    Cut(const Edges& edges, const BezierPatch& patch) : patch_(patch) {
         heights_ = {patch.low.y(), patch.high.y()};
-        each_edge(face, [&](const Vector2d& a, const Vector2d& b) {
-            if (a.y() == b.y()) return add_height(a.y());
-            edges_.emplace_back(a, b);
+        for (const auto& [a, b] : edges) {
             add_height(a.y());
+            if (a.y() == b.y()) continue;
+            edges_.emplace_back(a, b);
             add_height(b.y());
             for (const double u : {patch_.low.x(), patch_.high.x()})
                 if ((a.x() < u) != (b.x() < u)) add_height(a.y() + (b.y() - a.y()) * (u - a.x()) / (b.x() - a.x()));
-        });
+        }
         std::ranges::sort(heights_);
     }
 
@@ -83,7 +104,7 @@ class Cut {
 
     const BezierPatch& patch_;
     std::vector<double> heights_;
-    std::vector<std::pair<Vector2d, Vector2d>> edges_;
+    Edges edges_;
 };
 
 class Tessellation {
@@ -91,21 +112,34 @@ class Tessellation {
     Tessellation(const Face& face, std::int32_t index, double tolerance, std::vector<Triangle>& out)
         : face_(face), index_(index), tolerance_(tolerance), out_(out) {}
 
-    void divide(const BezierPatch& patch, std::size_t most) {
-        if (out_.size() > most) return;
-        const Overlap part = overlap(face_, patch.low, patch.high);
-        if (part == Overlap::none) return;
-        if (const BezierPatch::Bend bend = patch.bend(); bend.triangle_error_mm > tolerance_) {
-            for (const BezierPatch& half : patch.halves(bend.more_along_u)) divide(half, most);
-        } else if (part == Overlap::all) {
-            add({patch.low.x(), patch.low.y()}, {patch.high.x(), patch.low.y()}, {patch.high.x(), patch.high.y()},
-                {patch.low.x(), patch.high.y()});
-        } else {
-            Cut(face_, patch).each([&](const auto&... corners) { add(corners...); });
-        }
-    }
+    void divide(const BezierPatch& patch, std::size_t most) { divide(patch, edges_of(face_), most); }
 
   private:
+    /// `edges`: of the face, that may go through the patch.
+    void divide(const BezierPatch& patch, const Edges& edges, std::size_t most) {
+        if (out_.size() > most) return;
+        const Edges here = beside(edges, patch);
+        const auto goes_through = [&](const auto& edge) {
+            return crosses(edge.first, edge.second, patch.low, patch.high);
+        };
+        const Vector2d middle = 0.5 * (patch.low + patch.high);
+        if (std::ranges::none_of(here, goes_through)) {
+            if (contains(face_, {middle.x(), middle.y()})) fill(patch, most);
+        } else if (const BezierPatch::Bend bend = patch.bend(); bend.triangle_error_mm > tolerance_) {
+            for (const BezierPatch& half : patch.halves(bend.more_along_u)) divide(half, here, most);
+        } else {
+            Cut(here, patch).each([&](const auto&... corners) { add(corners...); });
+        }
+    }
+    /// Of a patch that is all within the face.
+    void fill(const BezierPatch& patch, std::size_t most) {
+        if (out_.size() > most) return;
+        if (const BezierPatch::Bend bend = patch.bend(); bend.triangle_error_mm > tolerance_)
+            for (const BezierPatch& half : patch.halves(bend.more_along_u)) fill(half, most);
+        else
+            add({patch.low.x(), patch.low.y()}, {patch.high.x(), patch.low.y()}, {patch.high.x(), patch.high.y()},
+                {patch.low.x(), patch.high.y()});
+    }
     /// Corners turning left in (u, v).
     void add(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
         const auto at = [&](const Vector2d& p) { return face_.surface.at(p.x(), p.y()); };

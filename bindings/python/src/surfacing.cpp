@@ -55,19 +55,14 @@ surfacing::SurfaceOptions take_surface_options(Keywords& keywords) {
 
 namespace {
 
-/// What passes are freed of gouges against; the lead of a tool that is no ball keeps its sign, as on the command line.
-std::optional<pipeline::SurfaceFreeing> take_freeing(Keywords& keywords, const Cutter& cutter,
-                                                     const surfacing::SurfaceOptions& passes) {
+/// What passes are freed of gouges against.
+void take_freeing(Keywords& keywords, const Cutter& cutter, pipeline::SurfaceProgramOptions& options) {
     bool free = false;
-    pipeline::SurfaceFreeing out;
-    surfacing::OrientationLimits& limits = out.limits;
-    const bool keeps_its_sign = !cutter.is_ball() && passes.lead_rad > 0;
-    limits.least_lead_rad = keeps_its_sign ? std::min(1 * degree, 0.5 * passes.lead_rad) : -60 * degree;
-    limits.most_lead_rad = limits.most_tilt_rad = 60 * degree;
+    surfacing::OrientationLimits limits = pipeline::lean_limits(cutter, options.passes.lead_rad);
     keywords.flag("free_gouges", free);
     const py::handle others = keywords.take("others"), holder = keywords.take("holder_mm");
-    if (others) out.others = faces_of(others, "others");
-    if (holder) out.holder = holder_of(holder);
+    if (others) options.others = faces_of(others, "others");
+    if (holder) options.holder = holder_of(holder);
     for (const auto& [name, target] :
          {std::pair{"least_lead_deg", &limits.least_lead_rad}, std::pair{"most_lead_deg", &limits.most_lead_rad},
           std::pair{"most_tilt_deg", &limits.most_tilt_rad}}) {
@@ -76,11 +71,10 @@ std::optional<pipeline::SurfaceFreeing> take_freeing(Keywords& keywords, const C
         if (given && !free) refuse({.code = "PY0003", .text = fmt::format("{}: only with free_gouges", name)});
         if (given) *target = *given;
     }
-    if (free) return out;
-    if (others || holder)
+    if (free) options.freeing = limits;
+    if (!free && (others || holder))
         refuse(
             {.code = "PY0003", .text = "others, holder_mm: only with free_gouges", .hint = "see gouges() and check()"});
-    return {};
 }
 
 BoundSurfacePlan plan_surface(py::handle faces, const machine::Tool& tool, const py::kwargs& given) {
@@ -94,7 +88,7 @@ BoundSurfacePlan plan_surface(py::handle faces, const machine::Tool& tool, const
     double reach_mm = 0;
     keywords.number("reach_mm", reach_mm);
     const Cutter cutter = cutter_of(tool, reach_mm);
-    options.freeing = take_freeing(keywords, cutter, options.passes);
+    take_freeing(keywords, cutter, options);
     keywords.finish();
     auto planned = faces_of(faces, "faces");
     auto result = value_of([&] {

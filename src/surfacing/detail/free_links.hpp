@@ -10,7 +10,8 @@
 
 namespace trunnion::surfacing::detail {
 
-/// No point of the tool moves farther between two poses that are looked at.
+/// No point of the tool moves farther between two poses that are looked at: half its radius at the most, so that it
+/// gets through no sheet unseen.
 double look_mm(const Cutter& cutter);
 
 /// Into how many parts a move is divided for that.
@@ -23,8 +24,8 @@ class LinkSearch {
                const Holder& holder)
         : cutter_(cutter), part_(part), options_(options), tolerance_mm_(tolerance_mm), holder_(holder) {}
 
-    /// Over a height up the tool axis: as the options say, the retract height, and that doubled up to 5 times. `before`
-    /// or `next` may be null. Errors: SURF0314.
+    /// Over a height up the tool axis: as the options say, the retract height, and that doubled up to 5 times; between
+    /// passes the lift height where none of these is free. `before` or `next` may be null. Errors: SURF0314.
     Result<Link> link(const Pass* before, const Pass* next) const;
 
     /// That, or else round the part. Nothing where neither is free.
@@ -34,6 +35,7 @@ class LinkSearch {
     bool leaves(const CutterPose& pose) const;
 
   private:
+    bool leave(const Pass* before, const Pass* next) const;
     std::optional<Penetration> in_part(const Pass* before, const Pass* next, double height_mm) const;
     std::optional<Penetration> on_way(std::span<const CutterPose> way) const;
     std::optional<Penetration> on_straight(const CutterPose& from, const CutterPose& to) const;
@@ -52,8 +54,7 @@ class LinkSearch {
 Result<std::vector<Link>> free_links(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
                                      const SurfaceOptions& options, const FreeingOptions& freeing);
 
-/// The same to twice the part's tolerance; as the options say too where none is free.
-std::vector<Link> links_where_free(std::span<const Pass> passes, const Cutter& cutter, const PartBody& part,
-                                   const SurfaceOptions& options);
+/// The same, round the part too; as the options say where none is free.
+std::vector<Link> links_where_free(std::span<const Pass> passes, const LinkSearch& search);
 
 }  // namespace trunnion::surfacing::detail

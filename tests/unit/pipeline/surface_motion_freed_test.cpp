@@ -41,9 +41,9 @@ struct AtTheWall {
     }
 
     SurfaceResult freed() const {
-        SurfaceProgramOptions options{.passes = work.surface};
-        options.freeing = {.others = {wall}, .limits = lean_limits(cutter, work.surface.lead_rad)};
-        if (!cutter.is_ball()) options.freeing->limits.least_lead_rad = 5 * degree;
+        SurfaceProgramOptions options{
+            .passes = work.surface, .others = {wall}, .freeing = lean_limits(cutter, work.surface.lead_rad)};
+        if (!cutter.is_ball()) options.freeing->least_lead_rad = 5 * degree;
         auto out = make_surface_program({&work.face, 1}, cutter, options).value();
         for (program::Move& move : out.plan.program.moves)
             move.line = std::ranges::any_of(out.plan.passes, [&](const surfacing::Pass& pass) {

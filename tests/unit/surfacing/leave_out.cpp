@@ -80,6 +80,59 @@ TEST(LeaveOut, LeavesNothingOutWhereTheToolFits) {
     EXPECT_TRUE(reached->plan.left.empty());
 }
 
+/// A pass of one contact step with the axis up.
+Pass short_pass(double x) {
+    Pass out;
+    for (const double y : {0.0, 1.0})
+        out.contacts.push_back({.point_mm = {x, y, 0}, .normal = {0, 0, 1}, .pose = {{x, y, 0}, {0, 0, 1}}});
+    return out;
+}
+
+/// Thinner than any step, between two passes that would be linked through it.
+TEST(LeaveOut, LeadsNoLinkThroughASheet) {
+    const Face wall = rectangle({5.3, -20, 0.5}, {0, 40, 0}, {0, 0, 30});
+    const Cutter cutter = Cutter::make(ball_tool(0.4)).value();
+    const auto part = PartBody::make({&wall, 1}, 0.002).value();
+    SurfacePlan plan;
+    plan.passes = {short_pass(0), short_pass(10)};
+    plan.passes[1].index = 1;
+    lead_links_clear(plan, cutter, part, leaving(), {});
+    const auto highest =
+        std::ranges::max(plan.program.moves, {}, [](const program::Move& move) { return move.position_mm.z(); });
+    EXPECT_GT(highest.position_mm.z(), 30.5);
+    lead_links_clear(plan, cutter,
+                     PartBody::make(std::vector{rectangle({5.3, -20, -9}, {0, 9, 0}, {0, 0, 1})}, 0.002).value(),
+                     leaving(), {});
+    EXPECT_LT(plan.program.moves[2].position_mm.z(), 1.5);
+}
+
+/// Beyond 12.8 mm of it the plane looks down: passes do not get there.
+TEST(LeaveOut, LeavesWhatPassesDoNotGetTo) {
+    const double size = 16, end = size * (1 - 1 / 0.8);
+    const Face face = facing(
+        geometry::BsplineSurface::make(line(), line(), {{0, -8, 0}, {0, 8, 0}, {size, -end / 2, 0}, {size, end / 2, 0}})
+            .value(),
+        {0, 0, 1});
+    const Cutter cutter = Cutter::make(ball_tool(6)).value();
+    SurfaceOptions options = leaving();
+    options.strategy = Strategy::constant_scallop;
+    options.leave_out = false;
+    const auto refused = plan_surface(face, cutter, options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, "SURF0210");
+    options.leave_out = true;
+    const auto part = PartBody::make({&face, 1}, 0.005).value();
+    const auto plan = plan_surface(face, cutter, options);
+    ASSERT_TRUE(plan) << to_string(plan.error());
+    const auto reached = leave_out_gouges(*plan, {&face, 1}, cutter, part, options);
+    ASSERT_TRUE(reached) << to_string(reached.error());
+    const auto verdict =
+        check_surface(face, cutter, reached->plan.passes, {.left = reached->plan.left, .left_above_mm = 0.02});
+    EXPECT_LT(verdict.highest_mm, 0.0201) << verdict.highest_at_mm.transpose();
+    EXPECT_GT(verdict.left_mm2, 1);
+    EXPECT_LT(verdict.left_mm2, 0.25 * verdict.area_mm2);
+}
+
 TEST(LeaveOut, RefusesWhatItGetsNowhere) {
     const Face face = hollow_at_its_end();
     Face lid = facing(bicubic(20, [](double, double) { return 6.0; }), {0, 0, 1});

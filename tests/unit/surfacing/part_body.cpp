@@ -22,7 +22,9 @@ PartBody body_of(const std::vector<Face>& faces, double tolerance_mm = 0.001) {
 }
 
 TEST(PartBody, OfAPlaneIsAsDeepAsTheToolIsUnderIt) {
-    const PartBody part = body_of({facing(plane(100, 100), up)});
+    Face top = facing(plane(100, 100), up);
+    top.solid = true;
+    const PartBody part = body_of({top});
     EXPECT_EQ(part.triangles(), 2u);
     for (const auto& tool : {flat_tool(10), ball_tool(10), torus_tool(10, 2)}) {
         const Cutter cutter = Cutter::make(tool, 40).value();
@@ -35,6 +37,32 @@ TEST(PartBody, OfAPlaneIsAsDeepAsTheToolIsUnderIt) {
         EXPECT_NEAR(part.depth_mm(cutter, {{30, 50, 4.8}, {1, 0, 0}}), 0.2, 1e-4);
         EXPECT_NEAR(part.depth_mm(cutter, {{30, 50, -2}, {1, 0, 0}}), 7, 1e-4);
     }
+}
+
+/// What is behind a sheet nobody says: it is found where it is within the tool, whichever side that comes from.
+TEST(PartBody, OfASheetIsAsThinAsPaper) {
+    for (const Vector3d& out : {up, Vector3d(-up)}) {
+        const PartBody part = body_of({facing(plane(100, 100), out)});
+        const Cutter ball = Cutter::make(ball_tool(10), 40).value();
+        EXPECT_EQ(part.depth_mm(ball, {{50, 50, 0.001}, up}), 0);
+        EXPECT_NEAR(part.depth_mm(ball, {{50, 50, -0.3}, up}), 0.3, 1e-4);
+        EXPECT_NEAR(part.depth_mm(ball, {{50, 50, -4}, up}), 4, 1e-3);
+        EXPECT_NEAR(part.depth_mm(ball, {{50, 50, -20}, up}), 5, 0.01);  // through it, up to its axis
+        EXPECT_NEAR(part.depth_mm(ball, {{50, 50, -39.8}, up}), 0.2, 1e-4);
+        EXPECT_EQ(part.depth_mm(ball, {{50, 50, -40.001}, up}), 0);  // behind it
+        EXPECT_EQ(part.depth_mm(ball, {{50, 50, -80}, up}), 0);
+    }
+}
+
+/// A sheet before a solid hides nothing of it.
+TEST(PartBody, KnowsTheInsideOfASolidBehindASheet) {
+    std::vector<Face> faces = block(40, 30, 20);
+    for (Face& face : faces) face.solid = true;
+    faces.push_back(rectangle({0, 0, 10}, {0, 30, 0}, {40, 0, 0}));  // in the middle of it, down
+    const Cutter ball = Cutter::make(ball_tool(2), 3).value();
+    EXPECT_NEAR(body_of(faces).depth_mm(ball, {{20, 15, 5}, up}), 1 + 6, 1e-6);
+    for (Face& face : faces) face.solid = false;
+    EXPECT_EQ(body_of(faces).depth_mm(ball, {{20, 15, 5}, up}), 0);
 }
 
 TEST(PartBody, OfASphereIsAsDeepAsCentresTell) {

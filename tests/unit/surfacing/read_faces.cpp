@@ -71,6 +71,7 @@ TEST_F(ReadFaces, TakesBordersWithHoles) {
     const auto list = read_faces(kept + "plate_with_hole.step").value();
     ASSERT_EQ(list.faces.size(), 7u);
     EXPECT_EQ(list.shells, 1);
+    EXPECT_TRUE(std::ranges::all_of(list.faces, &Face::solid));
     int holed = 0;
     for (const Face& face : list.faces) {
         if (face.loops.size() != 2) continue;
@@ -91,6 +92,7 @@ TEST_F(ReadFaces, SaysWhereAShellIsOpen) {
     const auto list = read_faces(kept + "open_shell.step").value();
     EXPECT_EQ(list.faces.size(), 2u);
     EXPECT_GT(list.open_shells, 0);
+    EXPECT_TRUE(std::ranges::none_of(list.faces, &Face::solid));
     EXPECT_EQ(count_of(list, "SURF0108"), list.open_shells);
 }
 
@@ -98,6 +100,20 @@ TEST_F(ReadFaces, ReadsIges) {
     const auto list = read_faces(kept + "two_faces.iges").value();
     ASSERT_EQ(list.faces.size(), 2u);
     for (const Face& face : list.faces) EXPECT_NEAR(area_mm2(face), 100, 1e-6);  // written in inches
+}
+
+/// The six faces of a block, each on its own, one of which looks into it.
+TEST_F(ReadFaces, LooseFacesThatCloseABodyLookOutOfIt) {
+    const auto list = read_faces(kept + "loose_box.iges").value();
+    ASSERT_EQ(list.faces.size(), 6u);
+    EXPECT_EQ(list.shells, 0);
+    EXPECT_EQ(count_of(list, "SURF0110"), 1);
+    for (const Face& face : list.faces) {
+        EXPECT_TRUE(face.solid);
+        const Eigen::Vector2d at = 0.5 * (parameter_box(face).low + parameter_box(face).high);
+        const auto shape = shape_at(face.surface, {at.x(), at.y()}, face.side).value();
+        EXPECT_GT(shape.normal.dot(shape.point - Eigen::Vector3d(10, 5, 3)), 1) << face.number;
+    }
 }
 
 TEST_F(ReadFaces, RefusesWhatHoldsNoFaces) {
@@ -127,6 +143,7 @@ struct Known {
     const char* file;
     std::size_t faces;
     int open_shells, degenerate_edges;
+    std::size_t solid;
 };
 
 class ReadFacesOfOthers : public testing::TestWithParam<Known> {};
@@ -141,6 +158,7 @@ TEST_P(ReadFacesOfOthers, FindsAllFaces) {
     EXPECT_EQ(list->faces_in_file, static_cast<int>(known.faces));
     EXPECT_EQ(list->open_shells, known.open_shells);
     EXPECT_EQ(count_of(*list, "SURF0106"), known.degenerate_edges);
+    EXPECT_EQ(static_cast<std::size_t>(std::ranges::count_if(list->faces, &Face::solid)), known.solid);
     for (const Face& face : list->faces) {
         EXPECT_FALSE(face.loops.empty());
         const ParameterBox box = parameter_box(face);
@@ -148,10 +166,12 @@ TEST_P(ReadFacesOfOthers, FindsAllFaces) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, ReadFacesOfOthers,
-                         testing::Values(Known{"bladex_blade_upper.iges", 1, 0, 0},
-                                         Known{"pygem_bent_pipe.step", 6, 6, 0}, Known{"propeller_d.step", 51, 0, 2},
-                                         Known{"pythonocc_splinecage.stp", 4, 4, 0},
-                                         Known{"pythonocc_surf114.igs", 4, 0, 0}, Known{"uav_wing.step", 3, 0, 0}));
+INSTANTIATE_TEST_SUITE_P(
+    Files, ReadFacesOfOthers,
+    testing::Values(Known{"bladex_blade_upper.iges", 1, 0, 0, 0},
+                    Known{"bladex_propeller_and_shaft.iges", 22, 0, 11, 22}, Known{"occt_hammer.iges", 45, 0, 0, 45},
+                    Known{"pygem_bent_pipe.step", 6, 6, 0, 0}, Known{"propeller_d.step", 51, 0, 2, 51},
+                    Known{"pythonocc_splinecage.stp", 4, 4, 0, 0}, Known{"pythonocc_surf114.igs", 4, 0, 0, 0},
+                    Known{"uav_wing.step", 3, 0, 0, 3}));
 
 }  // namespace

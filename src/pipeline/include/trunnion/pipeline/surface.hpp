@@ -15,30 +15,19 @@
 
 namespace trunnion::pipeline {
 
-/// What a plan is freed of gouges against, and how.
-struct SurfaceFreeing {
-    std::vector<surfacing::Face> others;  ///< of the part, beside the faces that are machined
-    surfacing::OrientationLimits limits{};
-    surfacing::Holder holder{};
-};
-
-/// What parts of passes are left out for: faces and holder that the tool must not be in.
-struct SurfaceLeaving {
-    std::vector<surfacing::Face> others;  ///< of the part, beside the faces that are machined
-    surfacing::Holder holder{};
-};
-
 /// What freeing may do to passes led by `lead_rad` where nobody says otherwise: lead and tilt up to 60° either way; the
 /// lead of a tool that is no ball keeps its sign, from 1° or half of it on.
 surfacing::OrientationLimits lean_limits(const surfacing::Cutter& cutter, double lead_rad);
 
 struct SurfaceProgramOptions {
-    surfacing::SurfaceOptions passes;
-    std::optional<SurfaceFreeing> freeing;  ///< none: the plan stays as it is, gouging or not
-    std::optional<SurfaceLeaving> leaving;  ///< with passes.leave_out; not together with freeing
-    bool splines = false;                   ///< every pass one dual spline; else straight moves
-    std::string tool_name;                  ///< called before the first move; empty: the program names none
-    double spindle_rad_s = 0;               ///< 0: the program does not say
+    surfacing::SurfaceOptions passes;     ///< its leave_out: parts of passes that gouge are cut away
+    std::vector<surfacing::Face> others;  ///< of the part, beside the faces that are machined: not to be gone into
+    surfacing::Holder holder{};
+    /// How far the tool may lean out of what it goes into; none: it stays as it is. Not together with leave_out.
+    std::optional<surfacing::OrientationLimits> freeing;
+    bool splines = false;      ///< every pass one dual spline; else straight moves
+    std::string tool_name;     ///< called before the first move; empty: the program names none
+    double spindle_rad_s = 0;  ///< 0: the program does not say
 };
 
 /// How dual splines lie to the true passes.
@@ -97,6 +86,8 @@ struct SurfaceResult {
 /// Leaving: the parts of passes where the tool would be in machined or other faces by more than the gouge tolerance are
 /// cut away (surfacing::leave_out_gouges). What of the faces stays as it is, the simulation says.
 ///
+/// Either way, and without both, links keep clear of all faces of the part where there is a way.
+///
 /// The program is in the workpiece, law vector. Errors: those of surfacing::plan_region, free_of_gouges and
 /// leave_out_gouges; PIPE0119 freeing and leaving both. Told in the
 /// program's diagnostics: PIPE0114 passes that stay straight moves. Cost: that of plan_region, with splines three times
@@ -112,9 +103,10 @@ struct SurfacePartCheck {
     int in_part_face = 0;  ///< its face by number
 };
 
-/// Asks of every move, at poses between which no point of the tool goes farther than 1 mm or 2 % of its radius, how
-/// deep tool and holder are in the part, the tool up to Cutter::reach_mm: PartBody to 5 µm or half the gouge tolerance;
-/// depths up to the gouge tolerance and these pass. Errors: those of PartBody::make. Cost: 10 µs a pose.
+/// Asks of every move, at poses between which no point of the tool goes farther than 1 mm or 2 % of its radius, and
+/// half its radius at the most, how deep tool and holder are in the part, the tool up to Cutter::reach_mm: PartBody to
+/// 2 µm or half of the gouge tolerance, the body that links and what is left out are planned with; depths up to the
+/// gouge tolerance, or 4 µm, and these pass. Errors: those of PartBody::make. Cost: 10 µs a pose.
 Result<SurfacePartCheck> check_part(std::span<const surfacing::Face> part, const surfacing::Cutter& cutter,
                                     const SurfaceResult& made, double gouge_tolerance_mm,
                                     const surfacing::Holder& holder = {});

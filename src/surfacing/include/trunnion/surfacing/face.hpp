@@ -19,6 +19,8 @@ struct Face {
     geometry::Side side = geometry::Side::along;  ///< where the normal leads out of the material
     std::vector<Loop> loops;                      ///< at least one; the outer border first
     int number = 1;                               ///< in its file, from 1
+    /// Of a closed shell: all behind it is material. Else it is a sheet, and what is behind it nobody says.
+    bool solid = false;
 };
 
 /// A face that is all of a surface: one loop, the border of the domain.

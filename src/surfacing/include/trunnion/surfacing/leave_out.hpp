@@ -20,18 +20,23 @@ struct ReachedPlan {
     double left_way_mm = 0;           ///< of passes, that was cut away
     double deepest_mm = 0;            ///< that the tool would be in the part, of all poses that were looked at
     std::size_t passes_lost = 0;      ///< of which nothing is left
-    std::size_t ridges_too_high = 0;  ///< places of the plan where no distance of passes keeps the scallop
+    std::size_t ridges_too_high = 0;  ///< places where no distance of passes keeps the scallop, or that none gets to
 };
 
 /// Cuts away the parts of passes where the tool would be in the part, to 0.01 mm along the pass, and lays the links
-/// anew: over the lift height, over the retract height, doubled up to 5 times, or round the part, in a ball that holds
-/// it, from one end of a pass to the next one. Ends of passes that the tool does not get to or away from are cut back.
-/// Contacts that stay are not moved.
+/// anew: over the lift height, over the retract height, doubled up to 5 times, over the lift height from any pass to
+/// the next one, or round the part, in a ball that holds it, from one end of a pass to the next one. Ends of passes
+/// that the tool does not get to or away from are cut back. Contacts that stay are not moved.
 ///
 /// `plan`: of SurfaceOptions::leave_out. `part`: of the faces of the plan first, in their order, then of any others.
 /// Errors: SURF0301 an option out of range; SURF0315 nothing is left of the plan. Cost: 5-20 µs a pose.
 Result<ReachedPlan> leave_out_gouges(SurfacePlan plan, std::span<const Face> faces, const Cutter& cutter,
                                      const PartBody& part, const SurfaceOptions& options,
                                      const LeavingOptions& leaving = {});
+
+/// Lays the links of a plan anew, passes as they are, the same way; as the options say where no way is free, which a
+/// check of the program finds. Cost: 5-20 µs a pose.
+void lead_links_clear(SurfacePlan& plan, const Cutter& cutter, const PartBody& part, const SurfaceOptions& options,
+                      const LeavingOptions& leaving);
 
 }  // namespace trunnion::surfacing

@@ -31,10 +31,13 @@ struct Penetration {
 /// The part as a body: its faces as triangles in a tree of boxes, asked how deep a tool is in it.
 ///
 /// Depth: how far the deepest place of the skin lies under the surface of the tool, of cutter and shank up to
-/// Cutter::reach_mm, or of the holder. A tool whose axis is behind the skin is deeper than its radius R: then R and the
-/// distance of the axis from the skin, at the height of that place. A point is behind the skin where its nearest place
-/// of the skin lies ahead, within 60° of the normal: so what lies beyond the free border of an open shell is not, and
-/// what lies behind one counts as material however far.
+/// Cutter::reach_mm, or of the holder. A tool whose axis is behind the skin of a solid (Face::solid) is deeper than its
+/// radius R: then R and the distance of the axis from that skin, at the height of that place. A point is behind where
+/// its nearest place of the skin lies ahead, within 60° of the normal.
+///
+/// Faces that are no solid's are sheets as thin as paper: the tool must not cut into one from either side, and R is as
+/// deep as it can be in one. Whether there is material behind a sheet its file does not say, so it does not count; a
+/// tool that moves by at most half its radius from pose to pose does not get through one unseen.
 ///
 /// Every triangle is within the tolerance of its face, and every place of a face, within its loops as polylines, within
 /// the tolerance of a triangle (bounds, not samples). Depths are right to the tolerance and, too small, another tenth
@@ -84,7 +87,7 @@ class PartBody {
     PartBody() = default;
     void build();
     Box box_of(std::int32_t first, std::int32_t count) const;
-    Nearest nearest(const Eigen::Vector3d& point) const;
+    Nearest nearest(const Eigen::Vector3d& point, bool of_solids) const;
     template <class Body>
     void deepen(const Body& body, bool any_will_do, Penetration& deepest) const;
     std::optional<Penetration> search(const Cutter& cutter, const CutterPose& pose, double more_than_mm,
@@ -94,6 +97,8 @@ class PartBody {
     double tolerance_ = 0;
     std::vector<Triangle> triangles_;
     std::vector<Box> boxes_;
+    std::vector<bool> solid_;  ///< by face
+    bool any_solid_ = false;
 };
 
 }  // namespace trunnion::surfacing
