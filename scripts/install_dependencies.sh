@@ -10,7 +10,7 @@
 set -euo pipefail
 packages=(g++ cmake ninja-build ccache pkg-config zlib1g-dev libeigen3-dev libfmt-dev libtomlplusplus-dev libcli11-dev
           nlohmann-json3-dev libgtest-dev libbenchmark-dev coinor-libclp-dev python3 python3-numpy
-          libceres-dev libocct-data-exchange-dev)
+          libceres-dev libocct-data-exchange-dev libtbb-dev)
 developer=(clang-19 libclang-rt-19-dev clang-tidy-19 clang-format-19 gcovr)
 python=(python3-dev pybind11-dev python3-pytest python3-matplotlib python3-nlopt python3-distributed)
 docs=(doxygen python3-sphinx python3-myst-parser furo)
