@@ -43,11 +43,11 @@ G17
 G0 X0 Y0 Z0 A0 C0
 M2
 '''
-ZIGZAG = HEAD + 'F3000\n' + ''.join(f'G1 X{10 + k % 2 * 40} Y{k} A{k % 2 * 8} C{k}\n' for k in range(60)) + 'M2\n'
+ZIGZAG = HEAD + 'F12000\n' + ''.join(f'G1 X{10 + k % 2 * 40} Y{k} A{k % 2 * 8} C{k}\n' for k in range(30)) + 'M2\n'
 PROBE = '''loadrt comp count=1
 addf comp.0 servo-thread
-setp comp.0.in0 -3
-net position-2 => comp.0.in1
+setp comp.0.in1 -3
+net position-2 => comp.0.in0
 net touches comp.0.out => motion.probe-input
 '''  # true where Z is below -3
 
@@ -103,7 +103,7 @@ def period_of_250_us(panel):
 def table_with_b(panel):
     begin = panel.mark()
     panel.run(HEAD + 'G0 X5 Y5 Z-5\nF1200\n' + ''.join(f'G1 X{10 + k % 2 * 30} Y{k} B{-20 + k % 2 * 8} C{k}\n' for k in range(40)) +
-              'G2 X20 Y45 I5 J5\nG0 X0 Y0 Z0 B0 C0\nM2\n')
+              'G2 X20 Y45 I-10 J3\nG0 X0 Y0 Z0 B0 C0\nM2\n')
     panel.expect_place([0] * 5, 1e-9)
     panel.expect_limits(begin)
     panel.expect_nothing_said()
@@ -116,7 +116,6 @@ def from_a_line(panel):
     begin = panel.mark()
     panel.start(text, 12)
     panel.until_idle()
-    panel.expect_place([100, 0, 0, 20, 0] if False else panel.place())
     lines = panel.lines(begin)
     assert lines[lines > 0].min() >= 12, lines[lines > 0].min()
     panel.expect_limits(begin)
@@ -132,7 +131,8 @@ def exact_stops(panel):
         return float(numpy.linalg.norm(panel.rows(begin)[:, :2] - [20, 0], axis=1).min())
 
     for mode in ('G61', 'G61.1'):
-        assert nearest(mode, 3000) < 1e-9, mode
+        off = nearest(mode, 3000)
+        assert off < 1e-9, (mode, off)
     for tolerance in (0.02, 0.2):
         off = nearest(f'G64 P{tolerance}', 6000)
         panel.note(f'P{tolerance}: {off:.4f} mm off')
@@ -183,16 +183,17 @@ def ends(panel, text):
 
 @scenario
 def override(panel):
+    text = HEAD + 'F1200\n' + ''.join(f'G1 X{k % 2 * 20} Y{k} A{k % 2 * 3}\n' for k in range(1, 9)) + 'M2\n'
     begin = panel.mark()
-    panel.run(ZIGZAG)
+    panel.run(text)
     middle = panel.mark()
-    panel.start(ZIGZAG)
-    panel.until_line(10)
+    panel.start(text)
+    panel.until_line(6)
     panel.command.feedrate(0.25)
     panel.until_idle()
     whole, slow = middle - begin, panel.mark() - middle
     panel.note(f'{whole} periods at 1, {slow} at 0.25')
-    assert slow > 1.2 * whole, (slow, whole)
+    assert slow > 2 * whole, (slow, whole)
     panel.command.feedrate(1)
     panel.for_a_while(0.3)
     panel.expect_limits()
@@ -426,12 +427,11 @@ def switched_off_under_way(panel):
 @scenario
 def spindle_synchronised(panel):
     """Refused: nothing moves, and the operator is told."""
-    panel.mdi('S100 M3')
     for block, words in (('G33 Z-5 K1', 'synchronised with the spindle'), ('G33.1 Z-5 K1', 'rigid tapping'),
                          ('G95 G1 Z-5 F0.1', 'synchronised with the spindle')):
         panel.said.clear()
+        panel.mdi('S100 M3')
         place = panel.place()
-        panel.mode(linuxcnc.MODE_MDI)
         panel.command.mdi(block)
         panel.until_said(words)
         panel.for_a_while(0.5)
