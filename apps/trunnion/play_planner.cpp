@@ -44,20 +44,24 @@ Result<void> PlanPublisher::publish_begin() {
     return taken ? Result<void>() : fail(taken.error());
 }
 
+/// While planning takes its time the reader goes on: the next plan is made when the ticks have the whole lead again.
 Result<PlanPublisher::Advance> PlanPublisher::advance() {
     Advance out;
-    while (next_ < reader_next() + lead_rows_) {
-        auto state = motion_.tick();
+    out.status = LiveMotionStatus::moving;
+    for (bool planned = false; !planned && next_ < reader_next() + lead_rows_;) {
+        planned = next_ + 1 >= reader_next() + lead_rows_;
+        auto state = motion_.tick(planned);
         if (!state) return fail(state.error());
         out.status = state->status;
         out.events.insert(out.events.end(), state->events.begin(), state->events.end());
         if (state->status == LiveMotionStatus::moving)
             if (auto taken = take_row(state->row); !taken) return fail(taken.error());
-        if (motion_.plan() != plan_)
+        if (motion_.plan() != plan_) {
             if (auto published = publish(); !published) return fail(published.error());
+            return out;
+        }
         if (state->status != LiveMotionStatus::moving) return out;
     }
-    out.status = LiveMotionStatus::moving;
     return out;
 }
 
@@ -84,14 +88,13 @@ Result<void> PlanPublisher::publish() {
     const auto taken = hand_over(branch_from(before));
     if (!taken) return fail(taken.error());
     if (*taken) {
-        motion_.keep_standstill();
+        motion_.keep_plan();
         return {};
     }
     ++missed_;
-    motion_.go_back_to_standstill();
+    motion_.take_back_plan();
     plan_ = motion_.plan();
     rows_ = std::move(before);
-    next_ = first_ + rows_.size();
     return {};
 }
 

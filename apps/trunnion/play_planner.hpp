@@ -16,7 +16,7 @@ trunnion_row row_of(const pipeline::LiveRow& row, const machine::Machine& machin
 
 /// Carries a motion into a plan buffer: keeps its ticks a lead ahead of the row that the reader is at, and publishes
 /// the rows up to the standstill whenever the plan in hand has changed. Where the reader refuses a plan as it came too
-/// late, it goes on from the standstill of the one before.
+/// late, the one before goes on, and the motion tries again, farther ahead.
 class PlanPublisher {
   public:
     using RowOf = std::function<trunnion_row(const pipeline::LiveRow&)>;
@@ -35,7 +35,8 @@ class PlanPublisher {
         pipeline::LiveMotionStatus status = pipeline::LiveMotionStatus::standing;
         std::vector<program::Event> events;
     };
-    /// Ticks up to the lead or a standstill. Errors: those of the motion; RT0005 the reader does not look;
+    /// Ticks up to the lead, a new plan or a standstill: plans once at most, so that commands are seen in between.
+    /// Errors: those of the motion; RT0005 the reader does not look;
     /// RT0006 a plan is longer than the buffer.
     Result<Advance> advance();
 

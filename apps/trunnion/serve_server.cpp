@@ -12,8 +12,25 @@ using pipeline::LiveMotionStatus;
 
 constexpr std::uint64_t quiet_periods = 25;  // without an order: what came is all for now
 constexpr std::uint64_t lead_rows = 200;     // what planning may take
+constexpr auto between_beats = std::chrono::milliseconds(50);
+constexpr std::int64_t dead_after_s = 10;
 
 }  // namespace
+
+Heartbeat::Heartbeat(volatile std::uint64_t& beat)
+    : beat_(beat), last_s_(now_s()), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+std::int64_t Heartbeat::now_s() {
+    return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+void Heartbeat::run(const std::stop_token& stop) {
+    for (std::unique_lock lock(mutex_); !stop.stop_requested();) {
+        if (now_s() - last_s_ < dead_after_s) __atomic_store_n(&beat_, beat_ + 1, __ATOMIC_RELAXED);
+        ended_.wait_for(lock, stop, between_beats, [] { return false; });
+    }
+}
 
 struct OrderServer::Motion {
     WorldPoses poses;
@@ -28,7 +45,7 @@ struct OrderServer::Motion {
 };
 
 OrderServer::OrderServer(trunnion_tp_memory& memory, const Workplace& workplace)
-    : memory_(memory), workplace_(workplace) {
+    : memory_(memory), workplace_(workplace), heartbeat_(memory.orders.beat) {
     if (memory.orders.answered != 0) refuse("the planner was started anew: abort, and start the program again");
 }
 OrderServer::~OrderServer() = default;
@@ -40,8 +57,7 @@ void OrderServer::refuse(const std::string& reason) {
 }
 
 void OrderServer::work() {
-    trunnion_orders& orders = memory_.orders;
-    __atomic_store_n(&orders.beat, orders.beat + 1, __ATOMIC_RELAXED);
+    heartbeat_.here();
     take_orders();
     if (!now_) return;
     pass_on_wishes();

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
 
 #include <tpmod/tp_memory.h>
 
@@ -11,6 +16,24 @@
 #include "serve_orders.hpp"
 
 namespace trunnion::app {
+
+/// Says to the module that the planner lives, also while one plan takes long. Who has not said here() for ten seconds
+/// is taken for dead.
+class Heartbeat {
+  public:
+    explicit Heartbeat(volatile std::uint64_t& beat);
+    void here() { last_s_ = now_s(); }
+
+  private:
+    static std::int64_t now_s();
+    void run(const std::stop_token& stop);
+
+    volatile std::uint64_t& beat_;
+    std::atomic<std::int64_t> last_s_;
+    std::mutex mutex_;
+    std::condition_variable_any ended_;
+    std::jthread thread_;
+};
 
 /// Plans what the module orders, from one `begin` to the next.
 class OrderServer {
@@ -22,7 +45,7 @@ class OrderServer {
     OrderServer(const OrderServer&) = delete;
     OrderServer& operator=(const OrderServer&) = delete;
 
-    /// Looks once at what there is to do; some 5 times a period is enough.
+    /// Looks once at what there is to do, and makes one plan at most; some 5 times a period is enough.
     void work();
     bool module_is_gone() const { return memory_.orders.closed != 0; }
 
@@ -42,6 +65,7 @@ class OrderServer {
     std::uint32_t epoch_ = 0;
     double scale_ = 1;
     bool held_ = false, closed_ = false;
+    Heartbeat heartbeat_;
 };
 
 }  // namespace trunnion::app

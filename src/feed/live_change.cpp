@@ -41,7 +41,7 @@ Result<void> LivePlanner::State::stop(const Branch& branch) {
     for (const double stretch : stop_stretches) {
         const double way = *found ? stretch * (*found)->length_mm : left;
         if (way >= left) {
-            planned_ = wish();  // the plan in hand ends soon enough
+            now_.made_for = wish();  // the plan in hand ends soon enough
             return {};
         }
         const auto done = plan_stop(branch, way, &**found, {.blank = true});
@@ -95,9 +95,9 @@ Result<void> LivePlanner::State::go_on(const Branch& branch) {
     if (!look) return fail(look.error());
     next_trial_ = ticks_ + ticks_between_trials;
     if (must_stand(look->intervals, limits_, branch.start)) return {};
-    if (!single_block_) block_goal_.reset();
-    if (!single_block_ || block_goal_) {
-        const auto done = go_on_to(block_goal_ ? *block_goal_ : grid_.end(), branch, *look);
+    if (!single_block_) now_.block_goal.reset();
+    if (!single_block_ || now_.block_goal) {
+        const auto done = go_on_to(goal(), branch, *look);
         return done ? Result<void>{} : fail(done.error());
     }
     const double here = grid_.distance_mm(branch.place);
@@ -139,29 +139,32 @@ Result<bool> LivePlanner::State::go_on_to(PathPlace goal, const Branch& branch, 
     return false;
 }
 
-/// Plans farther when the part of the plan in hand is used up that a longer one would not change.
+/// Plans farther when the part of the plan in hand is used up that a longer one would not change. Where none is found it
+/// is tried again by the solver's own start, and then from a later place.
 Result<void> LivePlanner::State::extend(double earliest_s) {
-    if (planned_.stand || ends_at_goal_ || border_ >= steps_.size()) return {};
-    const double border_s = steps_[border_].piece.begin_s;
+    if (now_.made_for.stand || now_.ends_at_goal || now_.border >= now_.steps.size()) return {};
+    const double border_s = now_.steps[now_.border].piece.begin_s;
     if (earliest_s + period_s_ < border_s) return {};
     const Branch branch = branch_at(std::max(earliest_s, border_s));
     if (branch.at_rest) return {};
     Trial trial;
-    trial.goal = block_goal_ ? *block_goal_ : grid_.end();
+    trial.goal = goal();
     trial.factor = override_;
     trial.old_factor_until_mm = old_factor_until(branch);
+    if (grid_.distance_mm(trial.goal) <= end_mm() + same_place_mm) return {};
+    trial.guess.blank = failed_trials_ % 2 == 1;
     const auto done = plan(branch, trial);
     if (!done) return fail(done.error());
-    if (!*done) border_ += (steps_.size() - border_ + 1) / 2;
+    if (!*done && ++failed_trials_ % 2 == 0) now_.border += (now_.steps.size() - now_.border + 3) / 4;
     return {};
 }
 
 /// Up to where the plan in hand still goes by a higher override than the present one.
 double LivePlanner::State::old_factor_until(const Branch& branch) const {
     double out = grid_.distance_mm(branch.place);
-    for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1; k < steps_.size() && steps_[k].factor > override_;
+    for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1; k < now_.steps.size() && now_.steps[k].factor > override_;
          ++k)
-        out = grid_.distance_mm(steps_[k].cell.begin) + steps_[k].cell.length_mm;
+        out = grid_.distance_mm(now_.steps[k].cell.begin) + now_.steps[k].cell.length_mm;
     return out;
 }
 

@@ -13,6 +13,7 @@ namespace {
 using path::PathPlace;
 
 constexpr double largest_override = 2, largest_rapid_override = 1;
+constexpr std::size_t least_more = 100, most_more = 1600;  // periods, of a lead
 
 Diagnostic problem(std::string code, std::string text, double value, std::string limit) {
     Diagnostic out;
@@ -27,42 +28,65 @@ Diagnostic problem(std::string code, std::string text, double value, std::string
 
 void LivePlanner::State::resume() {
     held_ = false;
-    if (present_s() >= end_s_) waits_ = false;
+    if (present_s() >= now_.end_s) now_.waits = false;
 }
 
 void LivePlanner::State::set_single_block(bool on) {
     single_block_ = on;
-    if (present_s() < end_s_) waits_ = on && ends_at_goal_ && planned_.single_block;
+    if (present_s() < now_.end_s) now_.waits = on && now_.ends_at_goal && now_.made_for.single_block;
 }
 
-Result<LiveState> LivePlanner::State::tick() {
-    if (auto done = follow(); !done) return fail(done.error());
+Result<LiveState> LivePlanner::State::tick(bool may_plan) {
+    if (auto done = follow(may_plan); !done) return fail(done.error());
     ++ticks_;
     return ahead(0);
 }
 
 std::size_t LivePlanner::State::periods_left() const {
-    if (steps_.empty()) return 0;
-    auto out = static_cast<std::size_t>(std::max((end_s_ - present_s()) / period_s_, 0.0));
-    while (static_cast<double>(ticks_ + out) * period_s_ < end_s_) ++out;
+    if (now_.steps.empty()) return 0;
+    auto out = static_cast<std::size_t>(std::max((now_.end_s - present_s()) / period_s_, 0.0));
+    while (static_cast<double>(ticks_ + out) * period_s_ < now_.end_s) ++out;
     return out;
 }
 
-void LivePlanner::State::stand_at(PathPlace place) {
-    steps_.clear();
-    put_at_ = place;
-    end_s_ = present_s();
-    waits_ = false;
+void LivePlanner::State::set_end(std::optional<PathPlace> place) {
+    end_ = place;
+    if (grid_.distance_mm(goal()) > end_mm() + same_place_mm) now_.ends_at_goal = false;
+}
+
+PathPlace LivePlanner::State::goal() const {
+    if (now_.block_goal) return *now_.block_goal;
+    if (!end_) return grid_.end();
+    const PathPlace stand = standing_place();
+    return grid_.distance_mm(*end_) > grid_.distance_mm(stand) ? *end_ : stand;
+}
+
+void LivePlanner::State::Lead::came_late() {
+    more_ = std::clamp(2 * more_, least_more, most_more);
+}
+
+void LivePlanner::State::keep() {
+    const bool commanded = kept_.made_for != now_.made_for;
+    (commanded ? command_lead_ : way_lead_).was_in_time();
+    kept_ = now_;
+}
+
+void LivePlanner::State::take_back() {
+    const bool commanded = kept_.made_for != now_.made_for;
+    (commanded ? command_lead_ : way_lead_).came_late();
+    now_ = kept_;
+    next_trial_ = ticks_;
+    ++plans_;
 }
 
 LiveState LivePlanner::State::state_at(double now) const {
     LiveState out;
-    if (steps_.empty() || now >= end_s_ || now < steps_.front().piece.begin_s) {
-        const bool started = steps_.empty() ? put_at_.has_value() : now >= end_s_;
-        out.place = started || steps_.empty() ? standing_place() : steps_.front().cell.begin;
+    if (now_.steps.empty() || now >= now_.end_s || now < now_.steps.front().piece.begin_s) {
+        const bool started = !now_.steps.empty() && now >= now_.end_s;
+        out.place = started || now_.steps.empty() ? standing_place() : now_.steps.front().cell.begin;
         out.status = started && stands_at_end() ? LiveStatus::finished : LiveStatus::holding;
     } else {
-        const Step& step = steps_[step_at(now)];
+        const Step& step = now_.steps[step_at(now)];
         const double delta = motion::distance_at(step.piece, now - step.piece.begin_s);
         const motion::PathState state = motion::state_at(step.piece, delta);
         out.status = LiveStatus::moving;
@@ -89,30 +113,39 @@ PathPlace LivePlanner::State::block_end(std::size_t block) const {
     return block + 1 >= blocks.size() ? grid_.end() : grid_.place_at(blocks[block].end_mm);
 }
 
-/// Lets the commands change the plan in hand, from two periods ahead on.
-Result<void> LivePlanner::State::follow() {
-    const double effect_s = static_cast<double>(ticks_ + periods_ahead) * period_s_;
-    if (end_s_ <= effect_s) return restart(steps_.empty() ? present_s() : effect_s);
-    if (planned_ == wish()) return planned_.stand ? stop_sooner(branch_at(effect_s)) : extend(effect_s);
-    const Branch branch = branch_at(effect_s);
+/// When a change counts that is made with this lead; in the middle of what is left where that is less than twice it.
+double LivePlanner::State::effect_s(const Lead& lead) const {
+    const std::size_t periods = std::min(lead.periods(), periods_left() / 2);
+    return static_cast<double>(ticks_ + std::max(periods, periods_ahead)) * period_s_;
+}
+
+/// Lets commands and the way ahead change the plan in hand.
+Result<void> LivePlanner::State::follow(bool may_plan) {
+    const double soonest_s = static_cast<double>(ticks_ + periods_ahead) * period_s_;
+    if (now_.end_s <= soonest_s) return restart(now_.steps.empty() ? present_s() : soonest_s);
+    if (!may_plan) return {};
+    if (now_.made_for == wish() && !now_.made_for.stand) return extend(effect_s(way_lead_));
+    const Branch branch = branch_at(effect_s(command_lead_));
     if (branch.at_rest) return {};
+    if (now_.made_for == wish()) return stop_sooner(branch);
     if (wish().stand) return stop(branch);
     return ticks_ < next_trial_ ? Result<void>{} : go_on(branch);
 }
 
 /// From standstill there is always a plan, unless the path itself is broken.
 Result<void> LivePlanner::State::restart(double begin_s) {
-    if (wish().stand || waits_ || ((!steps_.empty() || put_at_) && stands_at_end())) return {};
+    if (wish().stand || now_.waits || (!now_.steps.empty() && stands_at_end())) return {};
     Branch branch;
     branch.place = standing_place();
     branch.begin_s = begin_s;
     branch.at_rest = true;
-    if (present_s() < end_s_) return {};
+    if (present_s() < now_.end_s) return {};
     Trial trial;
     trial.factor = override_;
-    trial.goal = grid_.end();
-    block_goal_.reset();
-    if (single_block_) block_goal_ = trial.goal = block_end(block_at(grid_.distance_mm(branch.place)));
+    now_.block_goal.reset();
+    if (single_block_) now_.block_goal = block_end(block_at(grid_.distance_mm(branch.place)));
+    trial.goal = goal();
+    if (grid_.distance_mm(trial.goal) <= end_mm() + same_place_mm) return {};
     const auto done = plan(branch, trial);
     if (!done) return fail(done.error());
     if (*done) return {};
@@ -159,8 +192,8 @@ void LivePlanner::resume() {
 void LivePlanner::set_single_block(bool on) {
     state_->set_single_block(on);
 }
-Result<LiveState> LivePlanner::tick() {
-    return state_->tick();
+Result<LiveState> LivePlanner::tick(bool may_plan) {
+    return state_->tick(may_plan);
 }
 std::size_t LivePlanner::plans() const {
     return state_->plans();
@@ -171,8 +204,14 @@ std::size_t LivePlanner::periods_left() const {
 LiveState LivePlanner::ahead(std::size_t periods) const {
     return state_->ahead(periods);
 }
-void LivePlanner::stand_at(path::PathPlace place) {
-    state_->stand_at(place);
+void LivePlanner::set_end(std::optional<path::PathPlace> place) {
+    state_->set_end(place);
+}
+void LivePlanner::keep() {
+    state_->keep();
+}
+void LivePlanner::take_back() {
+    state_->take_back();
 }
 
 }  // namespace trunnion::feed

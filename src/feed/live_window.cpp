@@ -20,6 +20,8 @@ constexpr double start_room = 1e-4;
 constexpr double share_of_longest = 0.8;  // of the time, up to the place of a standstill that ends a long plan
 // Rounds of tightening cost time, and from a moving start they do not always end: most need none from here.
 constexpr double command_tightening = 1.001;
+// From a moving start the plan in hand stays where none is found, and time is short: most plans take below 80.
+constexpr int most_iterations = 150;
 
 double square(double v) {
     return v * v;
@@ -28,8 +30,8 @@ double square(double v) {
 }  // namespace
 
 PathPlace LivePlanner::State::standing_place() const {
-    if (steps_.empty()) return put_at_ ? *put_at_ : grid_[0].begin;
-    const Cell& last = steps_.back().cell;
+    if (now_.steps.empty()) return grid_[0].begin;
+    const Cell& last = now_.steps.back().cell;
     return {last.begin.piece, last.begin.offset_mm + last.length_mm};
 }
 
@@ -38,27 +40,27 @@ bool LivePlanner::State::stands_at_end() const {
 }
 
 std::size_t LivePlanner::State::step_at(double time_s) const {
-    const auto next = std::upper_bound(steps_.begin() + 1, steps_.end(), time_s,
+    const auto next = std::upper_bound(now_.steps.begin() + 1, now_.steps.end(), time_s,
                                        [](double t, const Step& step) { return t < step.piece.begin_s; });
-    return static_cast<std::size_t>(next - steps_.begin()) - 1;
+    return static_cast<std::size_t>(next - now_.steps.begin()) - 1;
 }
 
 LivePlanner::State::Branch LivePlanner::State::branch_at(double time_s) const {
     Branch out;
     std::size_t k = step_at(time_s);
-    double delta = motion::distance_at(steps_[k].piece, time_s - steps_[k].piece.begin_s);
-    const double until = k + 1 < steps_.size() ? steps_[k + 1].piece.begin_s : end_s_;
-    const double reach = motion::distance_at(steps_[k].piece, until - steps_[k].piece.begin_s);
+    double delta = motion::distance_at(now_.steps[k].piece, time_s - now_.steps[k].piece.begin_s);
+    const double until = k + 1 < now_.steps.size() ? now_.steps[k + 1].piece.begin_s : now_.end_s;
+    const double reach = motion::distance_at(now_.steps[k].piece, until - now_.steps[k].piece.begin_s);
     out.begin_s = time_s;
-    if (k + 1 < steps_.size() && reach - delta < at_border * reach) {
+    if (k + 1 < now_.steps.size() && reach - delta < at_border * reach) {
         ++k;
         delta = 0;
-        out.begin_s = steps_[k].piece.begin_s;
+        out.begin_s = now_.steps[k].piece.begin_s;
     } else if (delta < at_border * reach) {
         delta = 0;
-        out.begin_s = steps_[k].piece.begin_s;
+        out.begin_s = now_.steps[k].piece.begin_s;
     }
-    const Step& step = steps_[k];
+    const Step& step = now_.steps[k];
     const motion::PathState state = motion::state_at(step.piece, delta);
     out.kept = delta > 0 ? k + 1 : k;
     out.place = {step.cell.begin.piece, step.cell.begin.offset_mm + delta};
@@ -70,9 +72,9 @@ LivePlanner::State::Branch LivePlanner::State::branch_at(double time_s) const {
 /// The last step of the plan in hand that begins before a place.
 const LivePlanner::State::Step* LivePlanner::State::step_over(double p_mm) const {
     const auto next =
-        std::upper_bound(steps_.begin(), steps_.end(), p_mm + same_place_mm,
+        std::upper_bound(now_.steps.begin(), now_.steps.end(), p_mm + same_place_mm,
                          [this](double p, const Step& step) { return p < grid_.distance_mm(step.cell.begin); });
-    return next == steps_.begin() ? nullptr : &*(next - 1);
+    return next == now_.steps.begin() ? nullptr : &*(next - 1);
 }
 
 double LivePlanner::State::factor_in_hand(double p_mm) const {
@@ -174,19 +176,19 @@ Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) 
     auto steps = solve(branch, trial, way);
     if (!steps) return fail(steps.error());
     if (steps->empty()) return false;
-    ends_at_goal_ = way.exact_stop && !trial.stand;
+    now_.ends_at_goal = way.exact_stop && !trial.stand;
     if (end_of(*steps) - branch.begin_s > longest_plan_s_) {
         auto shorter = solve(branch, trial, nearer(branch, way, *steps));
         if (!shorter) return fail(shorter.error());
         if (!shorter->empty()) {
             steps = std::move(shorter);
-            ends_at_goal_ = false;
+            now_.ends_at_goal = false;
         }
     }
-    waits_ = ends_at_goal_ && single_block_;
-    planned_ = wish();
+    now_.waits = now_.ends_at_goal && single_block_;
+    now_.made_for = wish();
     next_trial_ = ticks_;
-    if (single_block_ && !trial.stand) block_goal_ = trial.goal;
+    if (single_block_ && !trial.stand) now_.block_goal = trial.goal;
     adopt(branch, std::move(*steps));
     return true;
 }
@@ -221,7 +223,9 @@ Result<std::vector<LivePlanner::State::Step>> LivePlanner::State::solve(const Br
     window.x0 = branch.start.x;
     window.d0 = branch.start.d;
     window.known_middle = known_middle_;
-    if (!way.exact_stop) window.far_from = cells.size() / 2;
+    if (!branch.at_rest) window.most_iterations = most_iterations;
+    const bool is_left_before = !way.exact_stop || (end_ && !trial.stand);
+    if (is_left_before) window.far_from = cells.size() / 2;
     const WindowPlan made = solver_.solve(window);
     if (!made.safe) return std::vector<Step>();
     double time = branch.begin_s;
@@ -236,30 +240,30 @@ Result<std::vector<LivePlanner::State::Step>> LivePlanner::State::solve(const Br
 
 void LivePlanner::State::adopt(const Branch& branch, std::vector<Step> steps) {
     ++plans_;
-    put_at_.reset();
-    end_s_ = end_of(steps);
-    const std::size_t present = steps_.empty() || branch.at_rest ? 0 : step_at(present_s());
-    steps_.resize(branch.at_rest ? 0 : branch.kept);
-    steps_.erase(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(std::min(present, steps_.size())));
-    const std::size_t first = steps_.size();
-    steps_.insert(steps_.end(), steps.begin(), steps.end());
+    failed_trials_ = 0;
+    now_.end_s = end_of(steps);
+    const std::size_t present = now_.steps.empty() || branch.at_rest ? 0 : step_at(present_s());
+    now_.steps.resize(branch.at_rest ? 0 : branch.kept);
+    now_.steps.erase(now_.steps.begin(), now_.steps.begin() + static_cast<std::ptrdiff_t>(std::min(present, now_.steps.size())));
+    const std::size_t first = now_.steps.size();
+    now_.steps.insert(now_.steps.end(), steps.begin(), steps.end());
     const std::size_t count = commit_count(first);
-    if (!ends_at_goal_ && count < steps.size() / 8 && window_ < largest_growth * base_) window_ *= 2;
-    border_ = first + std::max<std::size_t>(count, 1);
+    if (!now_.ends_at_goal && count < steps.size() / 8 && window_ < largest_growth * base_) window_ *= 2;
+    now_.border = first + std::max<std::size_t>(count, 1);
 }
 
 /// How much of a new plan a longer one would leave as it is, see FeedPlanner.
 std::size_t LivePlanner::State::commit_count(std::size_t first) const {
-    const auto x0 = [this](std::size_t k) { return steps_[k].piece.x0; };
+    const auto x0 = [this](std::size_t k) { return now_.steps[k].piece.x0; };
     double stopping = 0, rise = 0;
-    for (std::size_t k = steps_.size(); k-- > first + 1 && x0(k) >= rise;) {
-        stopping += steps_[k].piece.length_mm;
+    for (std::size_t k = now_.steps.size(); k-- > first + 1 && x0(k) >= rise;) {
+        stopping += now_.steps[k].piece.length_mm;
         rise = x0(k);
     }
-    std::size_t count = steps_.size();
+    std::size_t count = now_.steps.size();
     for (double left = 0; count > first && left < tail_of_stopping_distance * stopping; --count)
-        left += steps_[count - 1].piece.length_mm;
-    return std::min(count - first, (steps_.size() - first) / 2);
+        left += now_.steps[count - 1].piece.length_mm;
+    return std::min(count - first, (now_.steps.size() - first) / 2);
 }
 
 }  // namespace trunnion::feed

@@ -50,11 +50,11 @@ class LiveMotion::State {
     void set_single_block(bool on);
     void stop();
 
-    Result<LiveMotionState> tick();
+    Result<LiveMotionState> tick(bool may_plan);
     std::size_t plan() const { return plans_ + (step_.planner ? step_.planner->plans() : 0); }
     void rows_ahead(std::vector<LiveRow>& rows) const;
-    void keep_standstill();
-    void go_back_to_standstill();
+    void keep_plan();
+    void take_back_plan();
     std::vector<Diagnostic> diagnostics() const { return ended_ ? steps_.diagnostics() : std::vector<Diagnostic>(); }
 
   private:
@@ -63,7 +63,7 @@ class LiveMotion::State {
     void end_stretch();
     bool answer_events(LiveMotionState& out);
     bool dwell();
-    Result<LiveMotionState> move(LiveMotionState out);
+    Result<LiveMotionState> move(LiveMotionState out, bool may_plan);
     LiveRow row_of(const feed::LiveState& state) const;
     void pass_events(std::size_t block, LiveMotionState& out);
 
@@ -81,7 +81,6 @@ class LiveMotion::State {
     bool held_ = false, single_block_ = false, stopping_ = false;
     bool waits_for_resume_ = false;  // at an event, or behind a stretch in single block
     bool at_event_ = false;
-    path::PathPlace standstill_;
 };
 
 Result<Next> LiveMotion::State::take_step(bool wait) {
@@ -167,7 +166,7 @@ bool LiveMotion::State::dwell() {
     return true;
 }
 
-Result<LiveMotionState> LiveMotion::State::tick() {
+Result<LiveMotionState> LiveMotion::State::tick(bool may_plan) {
     LiveMotionState out;
     out.row = row_;
     for (;;) {
@@ -185,7 +184,7 @@ Result<LiveMotionState> LiveMotion::State::tick() {
             return out;
         }
         if (answer_events(out)) continue;
-        if (step_.planner) return move(std::move(out));
+        if (step_.planner) return move(std::move(out), may_plan);
         if (ended_) {
             out.status = LiveMotionStatus::finished;
             return out;
@@ -200,9 +199,9 @@ Result<LiveMotionState> LiveMotion::State::tick() {
     }
 }
 
-Result<LiveMotionState> LiveMotion::State::move(LiveMotionState out) {
+Result<LiveMotionState> LiveMotion::State::move(LiveMotionState out, bool may_plan) {
     const bool was_under_way = step_.planner->periods_left() > 0;
-    const auto state = step_.planner->tick();
+    const auto state = step_.planner->tick(may_plan);
     if (!state) {
         stopping_ = true;
         return fail(located(state.error(), *step_.program, row_.line));
@@ -238,14 +237,12 @@ void LiveMotion::State::rows_ahead(std::vector<LiveRow>& rows) const {
     for (std::size_t k = 1; k <= count; ++k) rows.push_back(row_of(step_.planner->ahead(k)));
 }
 
-void LiveMotion::State::keep_standstill() {
-    if (step_.planner) standstill_ = step_.planner->ahead(step_.planner->periods_left()).place;
+void LiveMotion::State::keep_plan() {
+    if (step_.planner) step_.planner->keep();
 }
 
-void LiveMotion::State::go_back_to_standstill() {
-    if (!step_.planner) return;
-    step_.planner->stand_at(standstill_);
-    row_ = row_of(step_.planner->ahead(0));
+void LiveMotion::State::take_back_plan() {
+    if (step_.planner) step_.planner->take_back();
 }
 
 LiveMotion::LiveMotion(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -286,8 +283,8 @@ void LiveMotion::set_single_block(bool on) {
 void LiveMotion::stop() {
     state_->stop();
 }
-Result<LiveMotionState> LiveMotion::tick() {
-    return state_->tick();
+Result<LiveMotionState> LiveMotion::tick(bool may_plan) {
+    return state_->tick(may_plan);
 }
 std::size_t LiveMotion::plan() const {
     return state_->plan();
@@ -295,11 +292,11 @@ std::size_t LiveMotion::plan() const {
 void LiveMotion::rows_ahead(std::vector<LiveRow>& rows) const {
     state_->rows_ahead(rows);
 }
-void LiveMotion::keep_standstill() {
-    state_->keep_standstill();
+void LiveMotion::keep_plan() {
+    state_->keep_plan();
 }
-void LiveMotion::go_back_to_standstill() {
-    state_->go_back_to_standstill();
+void LiveMotion::take_back_plan() {
+    state_->take_back_plan();
 }
 std::vector<Diagnostic> LiveMotion::diagnostics() const {
     return state_->diagnostics();

@@ -28,6 +28,16 @@ constexpr std::size_t between_trials = 50;  // periods; twice as many after each
 constexpr int most_doublings = 5;
 constexpr double largest_override = 2;
 
+/// How many pieces of a leg that is open are the same when more moves come.
+std::size_t known_pieces(const path::ToolPath& path) {
+    if (path.blocks.size() <= reach_moves) return 0;
+    const double latest_mm =
+        std::min(path.length_mm() - reach_mm, path.blocks[path.blocks.size() - reach_moves].begin_mm);
+    const auto next = std::upper_bound(path.pieces.begin(), path.pieces.end(), latest_mm,
+                                       [](double p, const path::PathPiece& piece) { return p < piece.begin_mm; });
+    return next == path.pieces.begin() ? 0 : static_cast<std::size_t>(next - path.pieces.begin()) - 1;
+}
+
 }  // namespace
 
 class QueueMotion::State {
@@ -35,17 +45,17 @@ class QueueMotion::State {
     State(const machine::Machine& machine, double tool_length_mm, const QueuedPose& begin, const QueueOptions& options);
 
     void add(const QueuedMove& move);
-    void close() { closed_ = true; }
+    void close();
     void set_override(double factor);
     void hold();
     void resume();
-    Result<LiveMotionState> tick();
+    Result<LiveMotionState> tick(bool may_plan);
     std::int32_t done_at_standstill() const;
     const LiveRow& row() const { return row_; }
     std::size_t plan() const { return plans_ + (now_.planner ? now_.planner->plans() : 0); }
     void rows_ahead(std::vector<LiveRow>& rows) const;
-    void keep_standstill();
-    void go_back_to_standstill();
+    void keep_plan();
+    void take_back_plan();
 
   private:
     /// A leg and the motion along it.
@@ -56,12 +66,15 @@ class QueueMotion::State {
 
     std::size_t not_taken_up() const { return way_.moves_behind(taken_up_); }
     bool enough_to_begin() const;
-    Result<void> take_up();
+    Result<bool> take_up();
     Result<void> lengthen();
     Result<void> make_legs(std::int32_t first);
     Result<bool> begin_leg();
     Result<bool> join(const Leg& anew);
     std::optional<smoothing::Splice> joint_with(const path::ToolPath& anew, const feed::LiveState& present) const;
+    std::optional<path::PathPlace> end_of(const Leg& leg) const;
+    void set_end();
+    void end_leg();
     void pass_on_commands();
     LiveRow row_of(const UnderWay& under_way, const feed::LiveState& state) const;
 
@@ -74,8 +87,7 @@ class QueueMotion::State {
     std::int32_t newest_ = 0;    // that was added
     std::deque<Leg> next_;
     UnderWay now_;
-    std::optional<UnderWay> before_;  // the leg that now_ made longer, until its plan is taken
-    path::PathPlace standstill_;
+    std::optional<UnderWay> before_;  // the leg that now_ made longer, until its plan is kept
     LiveRow row_;
     std::size_t plans_ = 0, ticks_ = 0, next_trial_ = 0;
     int failed_trials_ = 0;  // in a row
@@ -98,6 +110,12 @@ void QueueMotion::State::add(const QueuedMove& move) {
     way_.add(move);
     newest_ = move.number;
     closed_ = false;
+    set_end();
+}
+
+void QueueMotion::State::close() {
+    closed_ = true;
+    set_end();
 }
 
 void QueueMotion::State::pass_on_commands() {
@@ -124,15 +142,27 @@ bool QueueMotion::State::enough_to_begin() const {
            way_.way_behind_mm(taken_up_) >= options_.way_to_begin_mm;
 }
 
-/// Makes legs of what has come, where it is time to.
-Result<void> QueueMotion::State::take_up() {
-    if (not_taken_up() == 0) return {};
-    if (!now_.planner && next_.empty()) return enough_to_begin() ? make_legs(taken_up_ + 1) : Result<void>();
-    if (!closed_ && not_taken_up() < options_.moves_to_go_on) return {};
-    if (way_.moves_behind(row_.line) - not_taken_up() > most_moves) return {};
-    if (!next_.empty()) return make_legs(next_.back().open ? next_.back().first : taken_up_ + 1);
-    if (!now_.leg.open) return make_legs(taken_up_ + 1);
-    return ticks_ < next_trial_ ? Result<void>() : lengthen();
+/// Makes legs of what has come, where it is time to; false: nothing is to be done.
+Result<bool> QueueMotion::State::take_up() {
+    if (not_taken_up() == 0) return false;
+    Result<void> done;
+    if (!now_.planner && next_.empty()) {
+        if (!enough_to_begin()) return false;
+        done = make_legs(taken_up_ + 1);
+    } else if ((!closed_ && not_taken_up() < options_.moves_to_go_on) ||
+               way_.moves_behind(row_.line) - not_taken_up() > most_moves) {
+        return false;
+    } else if (!next_.empty()) {
+        done = make_legs(next_.back().open ? next_.back().first : taken_up_ + 1);
+    } else if (!now_.leg.open) {
+        done = make_legs(taken_up_ + 1);
+    } else if (ticks_ < next_trial_) {
+        return false;
+    } else {
+        done = lengthen();
+    }
+    if (!done) return fail(done.error());
+    return true;
 }
 
 /// From `first` on: a leg that begins there is made anew.
@@ -158,16 +188,40 @@ Result<void> QueueMotion::State::lengthen() {
     if (behind->first <= now_.leg.last) {  // one run goes on: else the standstill between both is asked for
         const auto joined = join(*behind);
         if (!joined) return fail(joined.error());
-        if (!*joined) return {};
+        if (!*joined) {
+            if (now_.planner->periods_left() == 0) end_leg();
+            return {};
+        }
         next_.assign(std::make_move_iterator(behind + 1), std::make_move_iterator(legs->end()));
     } else {
         next_.assign(std::make_move_iterator(behind), std::make_move_iterator(legs->end()));
-        now_.leg.open = false;
+        end_leg();
     }
     taken_up_ = last;
     failed_trials_ = 0;
     way_.drop_before(from);
+    set_end();
     return {};
+}
+
+/// The place up to which more moves would not change the smoothed path, at the end of a piece: the motion goes no
+/// farther as long as more may come, so that it is one along the longer path too. None where there is no such place, or
+/// all have come.
+std::optional<path::PathPlace> QueueMotion::State::end_of(const Leg& leg) const {
+    if (!leg.open || (closed_ && not_taken_up() == 0)) return std::nullopt;
+    const auto piece = known_pieces(leg.stretch->tool_path);
+    if (piece == 0) return std::nullopt;
+    return path::PathPlace{piece - 1, leg.stretch->tool_path.pieces[piece - 1].length_mm};
+}
+
+/// The machine stands at the end of the present leg.
+void QueueMotion::State::end_leg() {
+    now_.leg.open = false;
+    set_end();
+}
+
+void QueueMotion::State::set_end() {
+    if (now_.planner) now_.planner->set_end(end_of(now_.leg));
 }
 
 /// As late as the present leg is known, and not before the place up to which its motion is decided.
@@ -176,17 +230,12 @@ std::optional<smoothing::Splice> QueueMotion::State::joint_with(const path::Tool
     const path::ToolPath& is = now_.leg.stretch->tool_path;
     const std::int32_t line = is.blocks[present.block].line;
     const auto same = std::ranges::find(anew.blocks, line, &path::BlockSpan::line);
-    const std::size_t known = is.blocks.size() - std::min(is.blocks.size(), reach_moves);
-    if (same == anew.blocks.end() || known <= present.block) return std::nullopt;
+    if (same == anew.blocks.end()) return std::nullopt;
     smoothing::Splice out;
     out.behind_mm = is.blocks[present.block].end_mm - same->end_mm;
     out.from_piece = present.place.piece;
-    const double latest_mm = std::min(is.length_mm() - reach_mm, is.blocks[known].begin_mm);
-    const auto next = std::upper_bound(is.pieces.begin(), is.pieces.end(), latest_mm,
-                                       [](double p, const path::PathPiece& piece) { return p < piece.begin_mm; });
-    out.at_piece = static_cast<std::size_t>(next - is.pieces.begin()) - 1;
-    const path::PathPlace decided = now_.planner->ahead(4).place;
-    if (next == is.pieces.begin() || out.at_piece <= decided.piece) return std::nullopt;
+    out.at_piece = known_pieces(is);
+    if (out.at_piece <= now_.planner->ahead(4).place.piece) return std::nullopt;
     return out;
 }
 
@@ -202,12 +251,14 @@ Result<bool> QueueMotion::State::join(const Leg& anew) {
     auto stretch = Stretch::make(std::move(*path), machine_, {}, anew.stretch->part);
     if (!stretch) return fail(stretch.error());
     const feed::SamePath same{where->from_piece, blocks_behind, where->at_piece - where->from_piece};
-    auto planner = now_.planner->gone_on_along(*(*stretch)->axis_path, options_.plan.feed, same);
+    UnderWay longer{.leg = {std::move(*stretch), now_.leg.first, anew.last, anew.open}};
+    auto planner =
+        now_.planner->gone_on_along(*longer.leg.stretch->axis_path, options_.plan.feed, same, end_of(longer.leg));
     if (!planner) return fail(planner.error());
     if (!*planner) return false;
-    if (!before_) before_ = std::move(now_);
-    now_.leg = {std::move(*stretch), before_->leg.first, anew.last, anew.open};
-    now_.planner = std::move(*planner);
+    longer.planner = std::move(*planner);
+    before_ = std::exchange(now_, std::move(longer));
+    if (now_.planner->plans() == before_->planner->plans()) before_.reset();  // the same plan
     return true;
 }
 
@@ -219,25 +270,33 @@ Result<bool> QueueMotion::State::begin_leg() {
                                      options_.longest_plan_s);
     if (!planner) return fail(planner.error());
     now_.planner = std::move(*planner);
+    set_end();
     pass_on_commands();
     next_trial_ = ticks_;
     failed_trials_ = 0;
     return true;
 }
 
-Result<LiveMotionState> QueueMotion::State::tick() {
+/// Either takes moves up or plans: both take time. A stop that is asked for comes first.
+Result<LiveMotionState> QueueMotion::State::tick(bool may_plan) {
     LiveMotionState out;
     out.row = row_;
     out.status = LiveMotionStatus::waiting;
     ++ticks_;
-    if (auto taken = take_up(); !taken) return fail(taken.error());
+    const bool under_way = now_.planner && now_.planner->periods_left() > 0;
+    const bool shall_stand = held_ || override_ == 0;
+    if (!under_way || (may_plan && !shall_stand)) {
+        const auto taken = take_up();
+        if (!taken) return fail(taken.error());
+        may_plan = may_plan && !*taken;
+    }
     if (!now_.planner) {
         const auto begun = begin_leg();
         if (!begun) return fail(begun.error());
         if (!*begun) return out;
     }
     const bool was_under_way = now_.planner->periods_left() > 0;
-    const auto state = now_.planner->tick();
+    const auto state = now_.planner->tick(may_plan);
     if (!state) return fail(state.error());
     row_ = out.row = row_of(now_, *state);
     const bool moves = was_under_way || state->status == feed::LiveStatus::moving;
@@ -270,21 +329,24 @@ void QueueMotion::State::rows_ahead(std::vector<LiveRow>& rows) const {
     for (std::size_t k = 1; k <= count; ++k) rows.push_back(row_of(now_, now_.planner->ahead(k)));
 }
 
-void QueueMotion::State::keep_standstill() {
+void QueueMotion::State::keep_plan() {
     before_.reset();
-    if (now_.planner) standstill_ = now_.planner->ahead(now_.planner->periods_left()).place;
+    if (now_.planner) now_.planner->keep();
 }
 
-void QueueMotion::State::go_back_to_standstill() {
+void QueueMotion::State::take_back_plan() {
     if (before_) {
         now_ = std::move(*before_);
         before_.reset();
         next_.clear();
         taken_up_ = now_.leg.last;
+        (void)now_.planner->tick(false);  // the period of the tick that changed the plan
+        next_trial_ = ticks_;
+        set_end();
     }
     if (!now_.planner) return;
-    now_.planner->stand_at(standstill_);
-    row_ = row_of(now_, now_.planner->ahead(0));
+    now_.planner->take_back();
+    pass_on_commands();
 }
 
 QueueMotion::QueueMotion(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -314,8 +376,8 @@ void QueueMotion::hold() {
 void QueueMotion::resume() {
     state_->resume();
 }
-Result<LiveMotionState> QueueMotion::tick() {
-    return state_->tick();
+Result<LiveMotionState> QueueMotion::tick(bool may_plan) {
+    return state_->tick(may_plan);
 }
 std::int32_t QueueMotion::done_at_standstill() const {
     return state_->done_at_standstill();
@@ -329,11 +391,11 @@ std::size_t QueueMotion::plan() const {
 void QueueMotion::rows_ahead(std::vector<LiveRow>& rows) const {
     state_->rows_ahead(rows);
 }
-void QueueMotion::keep_standstill() {
-    state_->keep_standstill();
+void QueueMotion::keep_plan() {
+    state_->keep_plan();
 }
-void QueueMotion::go_back_to_standstill() {
-    state_->go_back_to_standstill();
+void QueueMotion::take_back_plan() {
+    state_->take_back_plan();
 }
 
 }  // namespace trunnion::pipeline

@@ -31,18 +31,20 @@ class LivePlanner::State {
     void hold() { held_ = true; }
     void resume();
     void set_single_block(bool on);
-    Result<LiveState> tick();
+    Result<LiveState> tick(bool may_plan);
     std::size_t plans() const { return plans_; }
     std::size_t periods_left() const;
     LiveState ahead(std::size_t periods) const { return state_at(static_cast<double>(ticks_ + periods) * period_s_); }
-    void stand_at(PathPlace place);
+    void set_end(std::optional<PathPlace> place);
+    void keep();
+    void take_back();
     /// Takes over what another one does, on a path that is the same here; false: it cannot.
     Result<bool> go_on_from(const State& other, const SamePath& same);
 
   private:
     using ProfilePiece = motion::ProfilePiece;
     static constexpr double same_place_mm = 1e-9;
-    static constexpr int periods_ahead = 2;  // a command counts from there on
+    static constexpr std::size_t periods_ahead = 2;  // from there on the plan in hand may change at the soonest
     /// Of the limits of velocity, acceleration and feed plans leave a trifle, for `room_for`.
     static constexpr double kept_back = 1 - 4e-4;
     /// A braking that breaks limits by more has led to a dead end.
@@ -61,10 +63,29 @@ class LivePlanner::State {
         ProfilePiece piece;
         double factor = 1;
     };
-    /// Where a new plan leaves the one in hand.
+    struct PlanInHand {
+        Wish made_for;
+        std::optional<PathPlace> block_goal;  // where a single block ends
+        bool ends_at_goal = false;            // else at a throw-away stop or a hold
+        bool waits = false;                   // behind a single block
+        std::vector<Step> steps;
+        std::size_t border = 0;  // from this step on it may be replaced by a longer one
+        double end_s = 0;
+    };
+    /// How many periods ahead a change counts: more where the last ones were taken back, fewer again where they hold.
+    class Lead {
+      public:
+        std::size_t periods() const { return periods_ahead + more_; }
+        void came_late();
+        void was_in_time() { more_ -= (more_ + 15) / 16; }
+
+      private:
+        std::size_t more_ = 0;
+    };
     static double end_of(const std::vector<Step>& steps) {
         return steps.back().piece.begin_s + steps.back().piece.duration_s;
     }
+    /// Where a new plan leaves the one in hand.
     struct Branch {
         PathPlace place;
         double begin_s = 0;
@@ -107,8 +128,12 @@ class LivePlanner::State {
     std::size_t block_at(double p_mm) const;
     PathPlace block_end(std::size_t block) const;
 
+    /// Where the motion leads to; never before the place where the plan in hand stands.
+    PathPlace goal() const;
     bool take_over(const State& other, const SamePath& same);
-    Result<void> follow();
+    Result<bool> leave_before(std::size_t last);
+    double effect_s(const Lead& lead) const;
+    Result<void> follow(bool may_plan);
     Result<void> restart(double begin_s);
     Result<void> stop(const Branch& branch);
     Result<bool> plan_stop(const Branch& branch, double way_mm, const Descent* braking, const Guess& other);
@@ -151,14 +176,10 @@ class LivePlanner::State {
     double override_ = 1;
     bool held_ = false, single_block_ = false;
     std::size_t ticks_ = 0, next_trial_ = 0, plans_ = 0;
-    Wish planned_;                         // what the plan in hand is for
-    std::optional<PathPlace> block_goal_;  // where a single block ends
-    bool ends_at_goal_ = false;            // the plan in hand; else at a throw-away stop or a hold
-    bool waits_ = false;                   // behind a single block
-    std::vector<Step> steps_;              // the plan in hand
-    std::size_t border_ = 0;               // from this step on the plan may be replaced by a longer one
-    double end_s_ = 0;
-    std::optional<PathPlace> put_at_;  // where it stands without a plan, if not at the begin
+    std::optional<PathPlace> end_;  // set_end()
+    PlanInHand now_, kept_;
+    Lead command_lead_, way_lead_;
+    int failed_trials_ = 0;  // of a longer way, since the last plan
     std::vector<double> known_middle_;
     int probes_left_ = 0;         // of a stop
     double out_of_reach_mm_ = 0;  // a place too near to stop at

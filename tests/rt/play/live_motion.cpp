@@ -197,22 +197,22 @@ TEST(LiveMotion, SingleBlockStandsBehindEachStretch) {
     EXPECT_NEAR(stops[2], 30, 1e-9);
 }
 
-TEST(LiveMotion, GoesOnFromTheStandstillOfAPlanThatWasFollowedInstead) {
+TEST(LiveMotion, APlanThatCameTooLateIsTakenBackAndTriedAgain) {
     Moving moving(random_program(8, 1));
     moving.ticks(300);
-    moving.motion->keep_standstill();
+    moving.motion->keep_plan();
     std::vector<LiveRow> kept;
     moving.motion->rows_ahead(kept);
     const std::size_t plan = moving.motion->plan();
     moving.motion->hold();
-    while (moving.motion->plan() == plan) moving.tick();
-    // The hold came too late: what was there before is played.
-    moving.rows.resize(301);
-    RowCheck check(moving.machine);
-    for (const LiveRow& row : moving.rows) check.note(app::row_of(row, moving.machine));
-    for (const LiveRow& row : kept) check.note(app::row_of(row, moving.machine));
-    moving.check = check;
-    moving.motion->go_back_to_standstill();
+    std::size_t ticks = 0;
+    for (; moving.motion->plan() == plan; ++ticks) moving.tick();
+    moving.motion->take_back_plan();
+    std::vector<LiveRow> left;
+    moving.motion->rows_ahead(left);
+    ASSERT_LT(ticks, kept.size());
+    EXPECT_EQ(left, std::vector<LiveRow>(kept.begin() + static_cast<std::ptrdiff_t>(ticks), kept.end()));
+    moving.ticks(50);
     moving.motion->resume();
     moving.run();
     EXPECT_EQ(moving.status, LiveMotionStatus::finished);

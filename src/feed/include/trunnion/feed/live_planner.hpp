@@ -78,7 +78,8 @@ class LivePlanner {
     /// command came, 30-60 µs an interval; a hold 1-2 ms where the axes run straight, in corners mostly below 15 ms, at
     /// the worst 80 ms. Allocates when it plans. Errors, the machine then stands: FEED0002 derivatives of the path are
     /// not finite, FEED0004 no plan even from standstill.
-    Result<LiveState> tick();
+    /// `may_plan` false: a plan in hand that moves is not changed, as by a control that is behind.
+    Result<LiveState> tick(bool may_plan = true);
 
     /// How often the plan in hand was changed.
     std::size_t plans() const;
@@ -87,17 +88,27 @@ class LivePlanner {
     /// The state so many periods on, if nothing is planned from now on: what the ticks give, to the bit, as long as
     /// plans() stays. Behind its end the plan in hand stands. Allocates nothing.
     LiveState ahead(std::size_t periods) const;
-    /// Gives up the plan in hand and stands at a place: the one where a plan ends that the control went on with, as it
-    /// came to know a newer one too late. The next tick begins to move from there, unless it is held.
-    void stand_at(path::PathPlace place);
+    /// The motion leads only as far as this place and stands there (`holding`) until it may go on; none: to the end of
+    /// the stretch. A plan in hand that leads farther stays.
+    void set_end(std::optional<path::PathPlace> place);
+
+    /// The control goes by the plan in hand from now on.
+    void keep();
+    /// The control came to know the plan in hand too late: it is the one again that was kept last. What the plan was
+    /// changed for is tried anew, and counts farther ahead: by 100 periods, twice as many each time this happens (up to
+    /// 1600), and a little fewer each time a plan is kept. Commands and longer ways have leads of their own.
+    /// Precondition: keep() was called.
+    void take_back();
 
     /// This motion, gone on along another path: one that is the same around the present place and leads farther, as
-    /// where blocks were added to the end of a queue while the first ones are being run. The plan in hand stays up to a
-    /// place at least two periods ahead, from there on the motion is planned towards the new end.
-    /// None where there is no such plan, or the motion is about to change, waits or stands: this one goes on as it
-    /// would. `other` must outlive what comes back. Cost: as make(), and a window or two. Errors: as make().
+    /// where blocks were added to the end of a queue while the first ones are being run. Where the plan in hand stands
+    /// within the same pieces it is taken over as it is, and the ticks to come make it longer; else it is left before
+    /// them, at least two periods ahead, for one towards `end` (see set_end()). None where that cannot be: this one
+    /// goes on as it would. `other` must outlive what comes back. Cost: as make(), and in the second case a window or
+    /// two. Errors: as make().
     Result<std::optional<LivePlanner>> gone_on_along(const path::AxisPath& other, const FeedOptions& options,
-                                                     const SamePath& same) const;
+                                                     const SamePath& same,
+                                                     std::optional<path::PathPlace> end = {}) const;
 
   private:
     class State;

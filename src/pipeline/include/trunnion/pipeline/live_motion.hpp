@@ -54,12 +54,13 @@ class LiveMotion : public LiveRows {
 
     /// One period on. Cost: that of feed::LivePlanner::tick(). Errors, nothing moves any more then: those of making the
     /// path and of LivePlanner, with the program's line; what was planned before them is through.
-    Result<LiveMotionState> tick() override;
+    using LiveRows::tick;
+    Result<LiveMotionState> tick(bool may_plan) override;
 
     std::size_t plan() const override;
     void rows_ahead(std::vector<LiveRow>& rows) const override;
-    void keep_standstill() override;
-    void go_back_to_standstill() override;
+    void keep_plan() override;
+    void take_back_plan() override;
 
     /// Warnings met so far.
     std::vector<Diagnostic> diagnostics() const;

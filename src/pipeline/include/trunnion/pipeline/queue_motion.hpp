@@ -73,15 +73,16 @@ class QueueMotion : public LiveRows {
 
     /// One period on; `waiting`: stands, and nothing to move is there (or not enough to begin). Errors, nothing moves
     /// any more then: those of path building and planning, with the number of the move as line.
-    Result<LiveMotionState> tick() override;
+    using LiveRows::tick;
+    Result<LiveMotionState> tick(bool may_plan) override;
     /// Moves up to this one are behind the standstill that the plan in hand ends at.
     std::int32_t done_at_standstill() const;
 
     LiveRow begin() const override;
     std::size_t plan() const override;
     void rows_ahead(std::vector<LiveRow>& rows) const override;
-    void keep_standstill() override;
-    void go_back_to_standstill() override;
+    void keep_plan() override;
+    void take_back_plan() override;
 
   private:
     class State;
