@@ -297,7 +297,7 @@ def kill_the_feeder(test):
 
 
 def period_of_250_us(test):
-    result = test.run('fast', 'fillet.ngc', more=('-o', 'FOLDER/rows.csv', '--depth', '300ms', '--period', '250us'), period_ns=250000,
+    result = test.run('fast', 'fillet.ngc', more=('-o', 'FOLDER/rows.csv', '--depth', '200ms', '--period', '0.25ms'), period_ns=250000,
                       stand=test.stand('fillet.ngc'))
     played, ratios = test.expect_played(result, period=250e-6)
     print(f'250 us: {len(played)} rows reached the drives to the last bit; peaks of the limits {ratios}')
