@@ -67,7 +67,7 @@ static struct {
 
     struct move_note notes[longest_queue]; /* by number of the move, modulo */
     uint64_t written, begun, finished;     /* moves: handed over, running or run, behind us */
-    uint32_t epoch, greeted;               /* of our orders; of those that the planner has answered */
+    uint32_t epoch, greeted, given_up;     /* of our orders; of those that the planner has answered; has refused */
     int must_begin;                        /* the next order has to say where it begins */
     int paused, aborting, spoke;
 
@@ -281,16 +281,16 @@ static void give_up_plans(void)
     __atomic_store_n(&tp.shared->plans.looked_at, newest, __ATOMIC_RELEASE);
 }
 
-/* Plans of an earlier epoch are not looked at: the planner says when it has made its last one. */
+/* Plans of an earlier epoch are given up, so that the planner does not wait for one of them to be looked at; it says when it
+ * has made its last one. */
 static int planner_answers(void)
 {
-    struct trunnion_orders *orders = &tp.shared->orders;
-    if (tp.must_begin) return 0;
-    if (tp.greeted == tp.epoch) return 1;
-    if (__atomic_load_n(&orders->answered, __ATOMIC_ACQUIRE) != tp.epoch) return 0;
+    int answered = __atomic_load_n(&tp.shared->orders.answered, __ATOMIC_ACQUIRE) == tp.epoch;
+    if (tp.must_begin) answered = 0;
+    if (answered && tp.greeted == tp.epoch) return 1;
     give_up_plans();
-    tp.greeted = tp.epoch;
-    return 1;
+    if (answered) tp.greeted = tp.epoch;
+    return answered;
 }
 
 static int spindle_is_ready(struct move_note const *note)
@@ -352,7 +352,8 @@ static void settle(void)
     if (!stands() && tp.greeted == tp.epoch) return;
     if (tp.begun > tp.finished && orders->done_through >= tp.begun && orders->answered == tp.epoch)
         tp.finished = tp.begun;
-    if (tp.aborting && (orders->stopped == tp.epoch || orders->answered != tp.epoch || tp.beat_cycle == 0)) drop_all();
+    if (tp.aborting && (orders->stopped == tp.epoch || orders->answered != tp.epoch || tp.given_up == tp.epoch || tp.beat_cycle == 0))
+        drop_all();
 }
 
 /* A planner that does not move is told once; what it planned has come to its standstill by then. */
@@ -371,6 +372,7 @@ static void watch_the_planner(void)
     if (orders->refused != tp.shared->told && orders->refused > 0) {
         rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: %s\n", orders->reason);
         tp.shared->told = orders->refused;
+        tp.given_up = tp.epoch;
     }
 }
 

@@ -94,7 +94,7 @@ def main():
         words.add_argument(name)
     words.add_argument('scenario', nargs='*')
     words.add_argument('--times', type=int, default=1)
-    args = words.parse_args()
+    args = words.parse_intermixed_args()
     scenarios = module_at(HERE / 'serve_scenarios.py').SCENARIOS
     runs = Runs(args.trunnion, args.source, args.shared)
     failed = [name for _ in range(args.times) for name, scenario in scenarios.items()
