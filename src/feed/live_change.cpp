@@ -120,6 +120,7 @@ Result<bool> LivePlanner::State::go_on_to(PathPlace goal, const Branch& branch, 
     trial.goal = goal;
     trial.factor = override_;
     trial.stop_mm = look.stop_mm;
+    trial.window = window_for(branch, look);
     const double here = grid_.distance_mm(branch.place), way = grid_.distance_mm(goal) - here;
     if (look.steep && way < near_goal * look.steep->length_mm)
         trial.guess = {.braking = &*look.steep, .delay_mm = way - look.steep->length_mm};
@@ -149,20 +150,20 @@ Result<void> LivePlanner::State::extend(double earliest_s) {
     if (branch.at_rest) return {};
     Trial trial;
     trial.goal = goal();
-    trial.factor = override_;
+    trial.factor = now_.made_for.factor;
     trial.old_factor_until_mm = old_factor_until(branch);
     if (grid_.distance_mm(trial.goal) <= end_mm() + same_place_mm) return {};
     trial.guess.blank = failed_trials_ % 2 == 1;
-    const auto done = plan(branch, trial);
+    const auto done = plan(branch, trial, now_.made_for);
     if (!done) return fail(done.error());
     if (!*done && ++failed_trials_ % 2 == 0) now_.border += (now_.steps.size() - now_.border + 3) / 4;
     return {};
 }
 
-/// Up to where the plan in hand still goes by a higher override than the present one.
+/// Up to where the plan in hand still goes by a higher override than the one it was made for.
 double LivePlanner::State::old_factor_until(const Branch& branch) const {
     double out = grid_.distance_mm(branch.place);
-    for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1; k < now_.steps.size() && now_.steps[k].factor > override_;
+    for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1; k < now_.steps.size() && now_.steps[k].factor > now_.made_for.factor;
          ++k)
         out = grid_.distance_mm(now_.steps[k].cell.begin) + now_.steps[k].cell.length_mm;
     return out;

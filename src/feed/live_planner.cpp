@@ -129,7 +129,8 @@ Result<void> LivePlanner::State::follow(bool may_plan) {
     if (branch.at_rest) return {};
     if (now_.made_for == wish()) return stop_sooner(branch);
     if (wish().stand) return stop(branch);
-    return ticks_ < next_trial_ ? Result<void>{} : go_on(branch);
+    if (ticks_ >= next_trial_) return go_on(branch);
+    return extend(effect_s(way_lead_));  // as long as no plan is found for what is asked
 }
 
 /// From standstill there is always a plan, unless the path itself is broken.

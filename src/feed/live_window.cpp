@@ -20,6 +20,7 @@ constexpr double start_room = 1e-4;
 constexpr double share_of_longest = 0.8;  // of the time, up to the place of a standstill that ends a long plan
 // Rounds of tightening cost time, and from a moving start they do not always end: most need none from here.
 constexpr double command_tightening = 1.001;
+constexpr double stops_ahead = 4;
 // From a moving start the plan in hand stays where none is found, and time is short: most plans take below 80.
 constexpr int most_iterations = 150;
 
@@ -93,19 +94,27 @@ MovingStart LivePlanner::State::state_in_hand(double p_mm) const {
 }
 
 /// Whether the window reaches the goal, or half as far again.
-bool LivePlanner::State::is_exact(const Branch& branch, PathPlace goal) const {
-    return grid_.index_of(goal) - grid_.index_of(branch.place) < window_ + window_ / 2;
+bool LivePlanner::State::is_exact(const Branch& branch, const Trial& trial) const {
+    const std::size_t window = window_of(trial);
+    return grid_.index_of(trial.goal) - grid_.index_of(branch.place) < window + window / 2;
+}
+
+/// Cells for a command, which must be planned soon: some stops ahead, whatever longer ways take.
+std::size_t LivePlanner::State::window_for(const Branch& branch, const Look& look) const {
+    const double far_mm = grid_.distance_mm(branch.place) + stops_ahead * look.stop_mm;
+    const std::size_t cells = grid_.index_of(grid_.place_at(far_mm)) - grid_.index_of(branch.place);
+    return std::clamp(cells, base_, window_);
 }
 
 Course LivePlanner::State::course(const Branch& branch, const Trial& trial) const {
     Course out;
     out.from = branch.place;
     out.from_rest = branch.at_rest;
-    out.exact_stop = is_exact(branch, trial.goal);
+    out.exact_stop = is_exact(branch, trial);
     out.to = trial.goal;
     if (!out.exact_stop) {
-        const std::size_t end = grid_.index_of(branch.place) + window_;
-        std::size_t longest = end - window_ / 10 - 1;
+        const std::size_t window = window_of(trial), end = grid_.index_of(branch.place) + window;
+        std::size_t longest = end - window / 10 - 1;
         for (std::size_t k = longest; k < end; ++k)
             if (grid_[k].length_mm > grid_[longest].length_mm) longest = k;
         out.to = grid_.end_of(longest);
@@ -171,7 +180,7 @@ Course LivePlanner::State::nearer(const Branch& branch, Course way, const std::v
 }
 
 /// Plans a window and takes the plan over if it is safe.
-Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) {
+Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial, const Wish& made_for) {
     const Course way = course(branch, trial);
     auto steps = solve(branch, trial, way);
     if (!steps) return fail(steps.error());
@@ -186,7 +195,7 @@ Result<bool> LivePlanner::State::plan(const Branch& branch, const Trial& trial) 
         }
     }
     now_.waits = now_.ends_at_goal && single_block_;
-    now_.made_for = wish();
+    now_.made_for = made_for;
     next_trial_ = ticks_;
     if (single_block_ && !trial.stand) now_.block_goal = trial.goal;
     adopt(branch, std::move(*steps));

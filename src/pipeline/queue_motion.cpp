@@ -24,6 +24,7 @@ constexpr double margin_mm = 8;       // more of the begin, so that there are pl
 constexpr double largest_gap = 1e-5;  // of two smoothings: beyond, they are not the same curve
 constexpr std::size_t most_moves =
     500;  // that are taken up at once, and that the way is known ahead of the present place
+constexpr std::size_t known_for_a_new = 4;
 constexpr std::size_t between_trials = 50;  // periods; twice as many after each trial that failed
 constexpr int most_doublings = 5;
 constexpr double largest_override = 2;
@@ -66,6 +67,7 @@ class QueueMotion::State {
 
     std::size_t not_taken_up() const { return way_.moves_behind(taken_up_); }
     bool enough_to_begin() const;
+    bool enough_to_go_on() const;
     Result<bool> take_up();
     Result<void> lengthen();
     Result<void> make_legs(std::int32_t first);
@@ -142,6 +144,13 @@ bool QueueMotion::State::enough_to_begin() const {
            way_.way_behind_mm(taken_up_) >= options_.way_to_begin_mm;
 }
 
+/// A longer way costs as much as is known ahead: so much more the rarer.
+bool QueueMotion::State::enough_to_go_on() const {
+    const std::size_t known = way_.moves_behind(row_.line) - not_taken_up();
+    if (known > most_moves) return false;
+    return closed_ || not_taken_up() >= std::max(options_.moves_to_go_on, known / known_for_a_new);
+}
+
 /// Makes legs of what has come, where it is time to; false: nothing is to be done.
 Result<bool> QueueMotion::State::take_up() {
     if (not_taken_up() == 0) return false;
@@ -149,8 +158,7 @@ Result<bool> QueueMotion::State::take_up() {
     if (!now_.planner && next_.empty()) {
         if (!enough_to_begin()) return false;
         done = make_legs(taken_up_ + 1);
-    } else if ((!closed_ && not_taken_up() < options_.moves_to_go_on) ||
-               way_.moves_behind(row_.line) - not_taken_up() > most_moves) {
+    } else if (!enough_to_go_on()) {
         return false;
     } else if (!next_.empty()) {
         done = make_legs(next_.back().open ? next_.back().first : taken_up_ + 1);

@@ -108,6 +108,7 @@ class LivePlanner::State {
         double level_mm = std::numeric_limits<double>::infinity();  // cells where the new override begins to count
         double stop_mm = 0;                                         // > 0: cells as fine as a stop of that way needs
         bool stand = false;
+        std::size_t window = 0;  // cells; 0: as many as longer ways take
         Guess guess;
     };
     /// The way ahead of a branch, finely sampled as far as a stop may take.
@@ -155,9 +156,12 @@ class LivePlanner::State {
     Result<std::vector<Interval>> survey(const Branch& branch, double factor, double reach_mm) const;
     Result<std::optional<Descent>> first_stop(const Branch& branch, const Look& look) const;
     std::optional<Descent> later_stop(std::span<const Interval> intervals, const Branch& branch) const;
-    bool is_exact(const Branch& branch, PathPlace goal) const;
+    bool is_exact(const Branch& branch, const Trial& trial) const;
+    std::size_t window_of(const Trial& trial) const { return trial.window > 0 ? trial.window : window_; }
+    std::size_t window_for(const Branch& branch, const Look& look) const;
     Course course(const Branch& branch, const Trial& trial) const;
-    Result<bool> plan(const Branch& branch, const Trial& trial);
+    Result<bool> plan(const Branch& branch, const Trial& trial) { return plan(branch, trial, wish()); }
+    Result<bool> plan(const Branch& branch, const Trial& trial, const Wish& made_for);
     Result<std::vector<Step>> solve(const Branch& branch, const Trial& trial, const Course& way);
     Course nearer(const Branch& branch, Course way, const std::vector<Step>& steps) const;
     void make_guess(const Branch& branch, const Guess& guess, std::span<const Cell> cells);

@@ -41,7 +41,8 @@ struct QueueOptions {
     /// A motion begins when so many moves or so much way have come, or close() was called. Both at least 1.
     std::size_t moves_to_begin = 200;
     double way_to_begin_mm = 60;
-    std::size_t moves_to_go_on = 100;  ///< that are taken up at once while it is under way
+    /// That are taken up at once while it is under way; at least a quarter of those that are known ahead.
+    std::size_t moves_to_go_on = 25;
 };
 
 /// Moves along what a control queues, move by move, while it still comes in: as LiveMotion, but the end of the way is
