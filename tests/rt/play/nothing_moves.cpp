@@ -5,15 +5,24 @@
 namespace trunnion::test {
 namespace {
 
-/// A program of no part that moves: what is left of one whose every word is an event.
-class NoParts final : public program::ProgramParts {
+/// A part that has only where motion starts.
+class StandingPart final : public program::ProgramParts {
   public:
-    Result<bool> next(program::Program&) override { return false; }
+    explicit StandingPart(const machine::Machine& machine)
+        : moving_("G21 G90 G94\nG0 X0 Y0 Z0 A0 C0\nG1 X1 F60\n", machine) {}
+    Result<bool> next(program::Program& part) override {
+        const auto more = moving_.next(part);
+        if (more && *more) part.moves.resize(1);
+        return more;
+    }
+
+  private:
+    OnePart moving_;
 };
 
 TEST(NothingMoves, IsRefusedBeforeAnythingIsPlanned) {
     const machine::Machine machine = peer_machine();
-    NoParts parts;
+    StandingPart parts(machine);
     const auto motion = pipeline::LiveMotion::make(parts, machine, {}, {}, 2);
     ASSERT_FALSE(motion);
     EXPECT_EQ(motion.error().code, "PIPE0140");
@@ -21,7 +30,7 @@ TEST(NothingMoves, IsRefusedBeforeAnythingIsPlanned) {
 
 TEST(NothingMoves, IsToldByTheCheckOfTheWay) {
     const machine::Machine machine = peer_machine();
-    NoParts parts;
+    StandingPart parts(machine);
     const auto checked = pipeline::check_way(parts, machine, {}, {}, [](double) { return true; });
     ASSERT_FALSE(checked);
     EXPECT_EQ(checked.error().code, "PIPE0140");
