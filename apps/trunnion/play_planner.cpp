@@ -50,6 +50,7 @@ Result<PlanPublisher::Advance> PlanPublisher::advance() {
     out.status = LiveMotionStatus::moving;
     for (bool planned = false; !planned && next_ < reader_next() + lead_rows_;) {
         planned = next_ + 1 >= reader_next() + lead_rows_;
+        const std::uint64_t begun = reader_next();
         auto state = motion_.tick(planned);
         if (!state) return fail(state.error());
         out.status = state->status;
@@ -57,7 +58,7 @@ Result<PlanPublisher::Advance> PlanPublisher::advance() {
         if (state->status == LiveMotionStatus::moving)
             if (auto taken = take_row(state->row); !taken) return fail(taken.error());
         if (motion_.plan() != plan_) {
-            if (auto published = publish(); !published) return fail(published.error());
+            if (auto published = publish(begun); !published) return fail(published.error());
             return out;
         }
         if (state->status != LiveMotionStatus::moving) return out;
@@ -77,8 +78,9 @@ Result<void> PlanPublisher::take_row(const LiveRow& row) {
     return fail({.code = "RT0007", .text = fmt::format("row {} is not the one that was planned", next_ - 1)});
 }
 
-/// The rows of a changed plan; they are those of the one before up to where it was left.
-Result<void> PlanPublisher::publish() {
+/// The rows of a changed plan; they are those of the one before up to where it was left. `begun`: where the reader was
+/// when planning began; the next change shall have twice the time of this one.
+Result<void> PlanPublisher::publish(std::uint64_t begun) {
     plan_ = motion_.plan();
     drop_given_rows();
     std::vector<LiveRow> before = rows_;
@@ -87,12 +89,13 @@ Result<void> PlanPublisher::publish() {
     rows_.insert(rows_.end(), ahead_.begin(), ahead_.end());
     const auto taken = hand_over(branch_from(before));
     if (!taken) return fail(taken.error());
+    const std::uint64_t wanted = 2 * (reader_next() - begun), lead = wanted - std::min(wanted, lead_rows_);
     if (*taken) {
-        motion_.keep_plan();
+        motion_.keep_plan(lead);
         return {};
     }
     ++missed_;
-    motion_.take_back_plan();
+    motion_.take_back_plan(lead);
     plan_ = motion_.plan();
     rows_ = std::move(before);
     return {};

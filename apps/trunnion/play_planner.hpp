@@ -49,7 +49,7 @@ class PlanPublisher {
   private:
     std::uint64_t reader_next() const { return __atomic_load_n(&plans_.next, __ATOMIC_ACQUIRE); }
     Result<void> take_row(const pipeline::LiveRow& row);
-    Result<void> publish();
+    Result<void> publish(std::uint64_t begun);
     Result<bool> hand_over(std::uint64_t branch);
     std::uint64_t branch_from(const std::vector<pipeline::LiveRow>& before) const;
     void drop_given_rows();

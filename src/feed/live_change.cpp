@@ -132,16 +132,19 @@ Result<bool> LivePlanner::State::go_on_to(PathPlace goal, const Branch& branch, 
     const double level_speed = std::sqrt(down->x_at(down->length_mm)),
                  levelling = level_speed * std::sqrt(2 * level_speed / look.path_jerk_mm_s3);
     trial.level_mm = share_of_levelling * std::max(levelling, least_levelling * look.stop_mm);
-    for (const Lift& lift : lifts) {
+    do {
+        const Lift& lift = lifts[next_lift_];
         trial.old_factor_until_mm = here + lift.of_descent * down->length_mm + lift.of_stop * look.stop_mm;
         const auto done = plan(branch, trial);
         if (!done || *done) return done;
-    }
+        next_lift_ = (next_lift_ + 1) % lifts.size();
+    } while (single_block_ && next_lift_ > 0);  // else one a tick: each takes time
+    if (next_lift_ > 0) next_trial_ = ticks_;
     return false;
 }
 
-/// Plans farther when the part of the plan in hand is used up that a longer one would not change. Where none is found it
-/// is tried again by the solver's own start, and then from a later place.
+/// Plans farther when the part of the plan in hand is used up that a longer one would not change. Where none is found
+/// it is tried again by the solver's own start, and then from a later place.
 Result<void> LivePlanner::State::extend(double earliest_s) {
     if (now_.made_for.stand || now_.ends_at_goal || now_.border >= now_.steps.size()) return {};
     const double border_s = now_.steps[now_.border].piece.begin_s;
@@ -163,8 +166,8 @@ Result<void> LivePlanner::State::extend(double earliest_s) {
 /// Up to where the plan in hand still goes by a higher override than the one it was made for.
 double LivePlanner::State::old_factor_until(const Branch& branch) const {
     double out = grid_.distance_mm(branch.place);
-    for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1; k < now_.steps.size() && now_.steps[k].factor > now_.made_for.factor;
-         ++k)
+    for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1;
+         k < now_.steps.size() && now_.steps[k].factor > now_.made_for.factor; ++k)
         out = grid_.distance_mm(now_.steps[k].cell.begin) + now_.steps[k].cell.length_mm;
     return out;
 }

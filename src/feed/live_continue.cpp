@@ -35,8 +35,8 @@ bool LivePlanner::State::take_over(const State& other, const SamePath& same) {
 /// any other. Else it must be left before.
 Result<bool> LivePlanner::State::go_on_from(const State& other, const SamePath& same) {
     if (other.single_block_ || !take_over(other, same)) return false;
-    const auto differs = std::ranges::find_if(
-        now_.steps, [&](const Step& step) { return step.cell.begin.piece >= same.same_pieces; });
+    const auto differs =
+        std::ranges::find_if(now_.steps, [&](const Step& step) { return step.cell.begin.piece >= same.same_pieces; });
     if (differs != now_.steps.end() || now_.steps.empty() != other.now_.steps.empty())
         return leave_before(static_cast<std::size_t>(differs - now_.steps.begin()));
     now_.ends_at_goal = false;

@@ -61,19 +61,23 @@ PathPlace LivePlanner::State::goal() const {
     return grid_.distance_mm(*end_) > grid_.distance_mm(stand) ? *end_ : stand;
 }
 
-void LivePlanner::State::Lead::came_late() {
-    more_ = std::clamp(2 * more_, least_more, most_more);
+void LivePlanner::State::Lead::came_late(std::size_t wanted) {
+    more_ = std::min(std::max({2 * more_, wanted, least_more}), most_more);
 }
 
-void LivePlanner::State::keep() {
+void LivePlanner::State::Lead::was_in_time(std::size_t wanted) {
+    more_ = std::min(std::max(more_ - (more_ + 15) / 16, wanted), most_more);
+}
+
+void LivePlanner::State::keep(std::size_t lead) {
     const bool commanded = kept_.made_for != now_.made_for;
-    (commanded ? command_lead_ : way_lead_).was_in_time();
+    (commanded ? command_lead_ : way_lead_).was_in_time(lead);
     kept_ = now_;
 }
 
-void LivePlanner::State::take_back() {
+void LivePlanner::State::take_back(std::size_t lead) {
     const bool commanded = kept_.made_for != now_.made_for;
-    (commanded ? command_lead_ : way_lead_).came_late();
+    (commanded ? command_lead_ : way_lead_).came_late(lead);
     now_ = kept_;
     next_trial_ = ticks_;
     ++plans_;
@@ -208,11 +212,11 @@ LiveState LivePlanner::ahead(std::size_t periods) const {
 void LivePlanner::set_end(std::optional<path::PathPlace> place) {
     state_->set_end(place);
 }
-void LivePlanner::keep() {
-    state_->keep();
+void LivePlanner::keep(std::size_t lead) {
+    state_->keep(lead);
 }
-void LivePlanner::take_back() {
-    state_->take_back();
+void LivePlanner::take_back(std::size_t lead) {
+    state_->take_back(lead);
 }
 
 }  // namespace trunnion::feed

@@ -250,10 +250,12 @@ Result<std::vector<LivePlanner::State::Step>> LivePlanner::State::solve(const Br
 void LivePlanner::State::adopt(const Branch& branch, std::vector<Step> steps) {
     ++plans_;
     failed_trials_ = 0;
+    next_lift_ = 0;
     now_.end_s = end_of(steps);
     const std::size_t present = now_.steps.empty() || branch.at_rest ? 0 : step_at(present_s());
     now_.steps.resize(branch.at_rest ? 0 : branch.kept);
-    now_.steps.erase(now_.steps.begin(), now_.steps.begin() + static_cast<std::ptrdiff_t>(std::min(present, now_.steps.size())));
+    now_.steps.erase(now_.steps.begin(),
+                     now_.steps.begin() + static_cast<std::ptrdiff_t>(std::min(present, now_.steps.size())));
     const std::size_t first = now_.steps.size();
     now_.steps.insert(now_.steps.end(), steps.begin(), steps.end());
     const std::size_t count = commit_count(first);

@@ -53,8 +53,8 @@ class LiveMotion::State {
     Result<LiveMotionState> tick(bool may_plan);
     std::size_t plan() const { return plans_ + (step_.planner ? step_.planner->plans() : 0); }
     void rows_ahead(std::vector<LiveRow>& rows) const;
-    void keep_plan();
-    void take_back_plan();
+    void keep_plan(std::size_t lead);
+    void take_back_plan(std::size_t lead);
     std::vector<Diagnostic> diagnostics() const { return ended_ ? steps_.diagnostics() : std::vector<Diagnostic>(); }
 
   private:
@@ -237,12 +237,12 @@ void LiveMotion::State::rows_ahead(std::vector<LiveRow>& rows) const {
     for (std::size_t k = 1; k <= count; ++k) rows.push_back(row_of(step_.planner->ahead(k)));
 }
 
-void LiveMotion::State::keep_plan() {
-    if (step_.planner) step_.planner->keep();
+void LiveMotion::State::keep_plan(std::size_t lead) {
+    if (step_.planner) step_.planner->keep(lead);
 }
 
-void LiveMotion::State::take_back_plan() {
-    if (step_.planner) step_.planner->take_back();
+void LiveMotion::State::take_back_plan(std::size_t lead) {
+    if (step_.planner) step_.planner->take_back(lead);
 }
 
 LiveMotion::LiveMotion(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -292,11 +292,11 @@ std::size_t LiveMotion::plan() const {
 void LiveMotion::rows_ahead(std::vector<LiveRow>& rows) const {
     state_->rows_ahead(rows);
 }
-void LiveMotion::keep_plan() {
-    state_->keep_plan();
+void LiveMotion::keep_plan(std::size_t lead) {
+    state_->keep_plan(lead);
 }
-void LiveMotion::take_back_plan() {
-    state_->take_back_plan();
+void LiveMotion::take_back_plan(std::size_t lead) {
+    state_->take_back_plan(lead);
 }
 std::vector<Diagnostic> LiveMotion::diagnostics() const {
     return state_->diagnostics();

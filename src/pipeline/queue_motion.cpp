@@ -55,8 +55,8 @@ class QueueMotion::State {
     const LiveRow& row() const { return row_; }
     std::size_t plan() const { return plans_ + (now_.planner ? now_.planner->plans() : 0); }
     void rows_ahead(std::vector<LiveRow>& rows) const;
-    void keep_plan();
-    void take_back_plan();
+    void keep_plan(std::size_t lead);
+    void take_back_plan(std::size_t lead);
 
   private:
     /// A leg and the motion along it.
@@ -337,12 +337,12 @@ void QueueMotion::State::rows_ahead(std::vector<LiveRow>& rows) const {
     for (std::size_t k = 1; k <= count; ++k) rows.push_back(row_of(now_, now_.planner->ahead(k)));
 }
 
-void QueueMotion::State::keep_plan() {
+void QueueMotion::State::keep_plan(std::size_t lead) {
     before_.reset();
-    if (now_.planner) now_.planner->keep();
+    if (now_.planner) now_.planner->keep(lead);
 }
 
-void QueueMotion::State::take_back_plan() {
+void QueueMotion::State::take_back_plan(std::size_t lead) {
     if (before_) {
         now_ = std::move(*before_);
         before_.reset();
@@ -353,7 +353,7 @@ void QueueMotion::State::take_back_plan() {
         set_end();
     }
     if (!now_.planner) return;
-    now_.planner->take_back();
+    now_.planner->take_back(lead);
     pass_on_commands();
 }
 
@@ -399,11 +399,11 @@ std::size_t QueueMotion::plan() const {
 void QueueMotion::rows_ahead(std::vector<LiveRow>& rows) const {
     state_->rows_ahead(rows);
 }
-void QueueMotion::keep_plan() {
-    state_->keep_plan();
+void QueueMotion::keep_plan(std::size_t lead) {
+    state_->keep_plan(lead);
 }
-void QueueMotion::take_back_plan() {
-    state_->take_back_plan();
+void QueueMotion::take_back_plan(std::size_t lead) {
+    state_->take_back_plan(lead);
 }
 
 }  // namespace trunnion::pipeline

@@ -26,7 +26,9 @@ class LivePlanner::State {
     double period_s() const { return period_s_; }
     double longest_plan_s() const { return longest_plan_s_; }
     void set_override(bool rapid, double factor) {
-        if (rapid == path_.tool_path().rapid) override_ = factor;
+        if (rapid != path_.tool_path().rapid || override_ == factor) return;
+        override_ = factor;
+        next_lift_ = 0;
     }
     void hold() { held_ = true; }
     void resume();
@@ -36,8 +38,8 @@ class LivePlanner::State {
     std::size_t periods_left() const;
     LiveState ahead(std::size_t periods) const { return state_at(static_cast<double>(ticks_ + periods) * period_s_); }
     void set_end(std::optional<PathPlace> place);
-    void keep();
-    void take_back();
+    void keep(std::size_t lead);
+    void take_back(std::size_t lead);
     /// Takes over what another one does, on a path that is the same here; false: it cannot.
     Result<bool> go_on_from(const State& other, const SamePath& same);
 
@@ -76,8 +78,8 @@ class LivePlanner::State {
     class Lead {
       public:
         std::size_t periods() const { return periods_ahead + more_; }
-        void came_late();
-        void was_in_time() { more_ -= (more_ + 15) / 16; }
+        void came_late(std::size_t wanted);
+        void was_in_time(std::size_t wanted);
 
       private:
         std::size_t more_ = 0;
@@ -183,7 +185,8 @@ class LivePlanner::State {
     std::optional<PathPlace> end_;  // set_end()
     PlanInHand now_, kept_;
     Lead command_lead_, way_lead_;
-    int failed_trials_ = 0;  // of a longer way, since the last plan
+    int failed_trials_ = 0;      // of a longer way, since the last plan
+    std::size_t next_lift_ = 0;  // that is tried for a lower override
     std::vector<double> known_middle_;
     int probes_left_ = 0;         // of a stop
     double out_of_reach_mm_ = 0;  // a place too near to stop at

@@ -200,14 +200,14 @@ TEST(LiveMotion, SingleBlockStandsBehindEachStretch) {
 TEST(LiveMotion, APlanThatCameTooLateIsTakenBackAndTriedAgain) {
     Moving moving(random_program(8, 1));
     moving.ticks(300);
-    moving.motion->keep_plan();
+    moving.motion->keep_plan(0);
     std::vector<LiveRow> kept;
     moving.motion->rows_ahead(kept);
     const std::size_t plan = moving.motion->plan();
     moving.motion->hold();
     std::size_t ticks = 0;
     for (; moving.motion->plan() == plan; ++ticks) moving.tick();
-    moving.motion->take_back_plan();
+    moving.motion->take_back_plan(0);
     std::vector<LiveRow> left;
     moving.motion->rows_ahead(left);
     ASSERT_LT(ticks, kept.size());

@@ -70,14 +70,14 @@ class QueueDrive {
         const bool late = refuses_ && motion_.plan() != plan_ && ahead_.size() > next_ + 200 && ++changes_ % 4 != 0;
         if (late) {
             EXPECT_EQ(*expected_, state->row);
-            motion_.take_back_plan();
+            motion_.take_back_plan(0);
             ++refused_;
             plan_ = motion_.plan();
         } else if (motion_.plan() != plan_) {
             plan_ = motion_.plan();
             motion_.rows_ahead(ahead_);
             next_ = 0;
-            motion_.keep_plan();
+            motion_.keep_plan(0);
         } else if (expected_ && state->status == LiveMotionStatus::moving) {
             EXPECT_EQ(*expected_, state->row) << "row " << rows_.size() << " is not as planned";
         }
@@ -215,7 +215,8 @@ TEST(QueueMotion, HoldsAndGoesOn) {
     EXPECT_LE(drive.worst(), in_limits);
 }
 
-/// Plans that came too late are taken back: the one before goes on, row by row, and the next trial counts farther ahead.
+/// Plans that came too late are taken back: the one before goes on, row by row, and the next trial counts farther
+/// ahead.
 TEST(QueueMotion, GoesOnWhereLongerPlansCameTooLate) {
     QueueDrive drive(wave(0).end);
     drive.refuse_most();

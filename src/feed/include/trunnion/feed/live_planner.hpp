@@ -92,13 +92,14 @@ class LivePlanner {
     /// the stretch. A plan in hand that leads farther stays.
     void set_end(std::optional<path::PathPlace> place);
 
-    /// The control goes by the plan in hand from now on.
-    void keep();
+    /// The control goes by the plan in hand from now on. `lead`: how many periods ahead changes of its kind should
+    /// count at the least, by the time that this one took; at most 1600 are.
+    void keep(std::size_t lead = 0);
     /// The control came to know the plan in hand too late: it is the one again that was kept last. What the plan was
-    /// changed for is tried anew, and counts farther ahead: by 100 periods, twice as many each time this happens (up to
-    /// 1600), and a little fewer each time a plan is kept. Commands and longer ways have leads of their own.
-    /// Precondition: keep() was called.
-    void take_back();
+    /// changed for is tried anew, and counts farther ahead: by `lead`, at least 100 periods, twice as many each time
+    /// this happens (up to 1600), and a little fewer each time a plan is kept. Commands and longer ways have leads of
+    /// their own. Precondition: keep() was called.
+    void take_back(std::size_t lead = 0);
 
     /// This motion, gone on along another path: one that is the same around the present place and leads farther, as
     /// where blocks were added to the end of a queue while the first ones are being run. Where the plan in hand stands

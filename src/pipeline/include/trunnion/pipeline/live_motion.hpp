@@ -59,8 +59,8 @@ class LiveMotion : public LiveRows {
 
     std::size_t plan() const override;
     void rows_ahead(std::vector<LiveRow>& rows) const override;
-    void keep_plan() override;
-    void take_back_plan() override;
+    void keep_plan(std::size_t lead) override;
+    void take_back_plan(std::size_t lead) override;
 
     /// Warnings met so far.
     std::vector<Diagnostic> diagnostics() const;

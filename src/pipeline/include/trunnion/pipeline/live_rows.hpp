@@ -41,8 +41,8 @@ class LiveRows {
 
     /// Where the axes must stand before the first tick.
     virtual LiveRow begin() const = 0;
-    /// One period on. `may_plan` false: a plan in hand that moves is followed and not changed. Errors: of path building and planning; nothing moves any more then, and what was planned before
-    /// them is through.
+    /// One period on. `may_plan` false: a plan in hand that moves is followed and not changed. Errors: of path building
+    /// and planning; nothing moves any more then, and what was planned before them is through.
     virtual Result<LiveMotionState> tick(bool may_plan) = 0;
     Result<LiveMotionState> tick() { return tick(true); }
 
@@ -51,12 +51,13 @@ class LiveRows {
     /// The rows of the plan in hand behind the last tick's, to its standstill; replaces what is in `rows`. Cost: 0.5 µs
     /// a row.
     virtual void rows_ahead(std::vector<LiveRow>& rows) const = 0;
-    /// Whoever moves the axes goes by the plan in hand from now on.
-    virtual void keep_plan() = 0;
-    /// The plan in hand came too late: that which was kept last is it again, at the same period, and what it was changed
-    /// for is tried again, farther ahead (feed::LivePlanner::take_back()). Precondition: the last tick changed the
-    /// plan, and before it the kept one was in hand.
-    virtual void take_back_plan() = 0;
+    /// Whoever moves the axes goes by the plan in hand from now on. `lead`: how many periods ahead changes should count
+    /// at the least, by the time that the last one took.
+    virtual void keep_plan(std::size_t lead) = 0;
+    /// The plan in hand came too late: that which was kept last is it again, at the same period, and what it was
+    /// changed for is tried again, farther ahead (feed::LivePlanner::take_back()). Precondition: the last tick changed
+    /// the plan, and before it the kept one was in hand.
+    virtual void take_back_plan(std::size_t lead) = 0;
 
   protected:
     LiveRows() = default;

@@ -82,8 +82,8 @@ class QueueMotion : public LiveRows {
     LiveRow begin() const override;
     std::size_t plan() const override;
     void rows_ahead(std::vector<LiveRow>& rows) const override;
-    void keep_plan() override;
-    void take_back_plan() override;
+    void keep_plan(std::size_t lead) override;
+    void take_back_plan(std::size_t lead) override;
 
   private:
     class State;
