@@ -122,7 +122,9 @@ void OrderServer::advance() {
     }
     orders.done_through = static_cast<std::uint64_t>(now_->motion.done_at_standstill());
     const bool stands = advance->status != LiveMotionStatus::moving;
-    if (orders.aborted == epoch_ && stands) orders.stopped = epoch_;
+    if (orders.aborted != epoch_ || !stands) return;
+    orders.stopped = epoch_;
+    now_.reset();  // it is over, also when the hold is taken back before the next `begin`
 }
 
 }  // namespace trunnion::app

@@ -148,6 +148,9 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
     EXPECT_LT(stood_at, 60);
     orders.hold = 0;
     orders.aborted = 0;
+    const std::uint64_t published = served.memory->plans.published;
+    for (int k = 0; k < 200; ++k) cycle();
+    EXPECT_EQ(served.memory->plans.published, published) << "an aborted motion goes on";
     module.begin();
     module.line({0, 0, 50, 0, 0}, 50, trunnion_joint_stop);
     for (int k = 0; k < 200000 && !module.done(); ++k) cycle();
