@@ -45,7 +45,6 @@ struct trunnion_orders {
     volatile uint64_t last_order; /* cycles when the last one was written */
     volatile double feed_scale;   /* of the present motion: an override, 0 … */
     volatile uint32_t hold;       /* 1: stand as soon as the limits allow */
-    volatile uint32_t single;     /* 1: stand at the end of the present move; a hold that ends goes on behind it */
     volatile uint32_t aborted;    /* the epoch that is to be stopped for good; 0: none */
     volatile double period_s;
     volatile uint32_t closed;     /* 1: the control has ended */

@@ -268,7 +268,6 @@ static void say_what_is_wished(void)
     orders->feed_scale = tp.status->net_feed_scale;
     orders->hold = tp.paused || tp.aborting;
     orders->aborted = tp.aborting ? tp.epoch : 0;
-    __atomic_store_n(&orders->single, tp.status->stepping != 0, __ATOMIC_RELEASE); /* behind `hold`: LinuxCNC ends a step by a pause */
 }
 
 /* Rows of the plan in use and of a newer one that was not looked at are not played any more. */
@@ -412,7 +411,7 @@ int tpIsDone(TP_STRUCT *const unused) { return moves_left() == 0; }
 int tpQueueDepth(TP_STRUCT *const unused) { return (int)moves_left(); }
 int tpActiveDepth(TP_STRUCT *const unused) { return moves_left() > 0; }
 int tpGetMotionType(TP_STRUCT *const unused) { return moves_left() > 0 ? note_of(tp.finished + 1)->type : 0; }
-/* Between two moves the next one counts as the present: so LinuxCNC sees where a single step ends. */
+/* Between two moves the next one counts as the present, as with LinuxCNC's own planner. */
 static struct move_note const *present_move(void) { return note_of(tp.begun > tp.finished ? tp.begun : tp.finished + 1); }
 int tpGetExecId(TP_STRUCT *const unused) { return moves_left() > 0 ? present_move()->id : 0; }
 struct state_tag_t tpGetExecTag(TP_STRUCT *const unused)
