@@ -292,26 +292,6 @@ def stops_of_the_program(panel):
 
 
 @scenario
-def single_steps(panel):
-    """Each step ends in a standstill, some way behind the end of its block."""
-    panel.load(HEAD + 'F600\n' + ''.join(f'G1 X{5 * k} Y{k % 2 * 5} A{k}\n' for k in range(1, 7)) + 'M2\n')
-    places = [panel.place()]
-    for _ in range(20):
-        panel.step()
-        panel.for_a_while(0.5)
-        panel.until_it_stands()
-        if numpy.abs(panel.place() - places[-1]).max() > 1e-6:
-            places.append(panel.place())
-        if panel.stat.interp_state == linuxcnc.INTERP_IDLE:
-            break
-    panel.note(f'stood at X {[round(float(place[0]), 2) for place in places]}')
-    panel.until_idle()
-    assert len(places) >= 4, places
-    panel.expect_limits()
-    panel.expect_nothing_said()
-
-
-@scenario
 def spindle_at_speed(panel):
     hal.set_p('spindle.0.at-speed', '0')
     panel.start(HEAD + 'G0 X5\nS1000 M3\nG1 X20 F3000\nG1 Y10\nG0 X0 Y0\nM5\nM2\n')
