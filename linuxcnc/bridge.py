@@ -1,16 +1,21 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-only
-"""Between `trunnion play --linuxcnc` and a running LinuxCNC; started by it, not by hand.   bridge.py [STREAMER]
+"""Between `trunnion play --linuxcnc` and a running LinuxCNC; started by it, not by hand.   bridge.py PLANS [STREAMER]
+
+PLANS: descriptor of the memory that the rows come from (plan_buffer.h).
 
 Says on stdout, a line each: `facts …` once, then `s WRITTEN DEPTH` now and then, `done` after an order that takes time,
 `halt REASON` when LinuxCNC has ended the motion, `missing REASON` when there is nothing to speak to.
-Takes on stdin a letter and, with A, R and B, a double for every joint:
+Takes on stdin a letter and, with X, A, R and B, a double for every joint:
+X  its axis, as numbered in the plans
 A  go to this place by LinuxCNC's own jog      R  a row for the streamer
 T  from now on the axes follow the rows        B  the axes follow LinuxCNC again, which is to stand at this place
 
-At the end of stdin it waits for the last row and does as with B. The axes are given back only where LinuxCNC stands, or
+Where stdin ends while the axes follow rows, whoever sent them was killed: the plan that they come from is played to its
+standstill, inside all limits, then it does as with B. The axes are given back only where LinuxCNC stands, or
 where it has disabled motion; if neither comes about they stay at the last row, and it says so.
 """
+import mmap
 import os
 import select
 import struct
@@ -28,13 +33,37 @@ def say(text):
     sys.stdout.flush()
 
 
+class Plans:
+    """Plans in memory that is shared with whoever sends the rows, as plan_buffer.h lays them out."""
+    HEAD, PLAN, ROW = struct.Struct('=QQdQQQQ'), struct.Struct('=QQQ'), struct.Struct('=9dq')
+
+    def __init__(self, descriptor):
+        self.memory = mmap.mmap(descriptor, 0, prot=mmap.PROT_READ)
+
+    def rows_behind(self, last, axes):
+        """Rows of the plan in use behind the one that is `last`; a joint each, of these axes."""
+        *_, in_use, following = self.HEAD.unpack_from(self.memory)
+        begin = self.HEAD.size + (in_use & 1) * ((len(self.memory) - self.HEAD.size) // 2)
+        first, _, count = self.PLAN.unpack_from(self.memory, begin)
+
+        def row(k):
+            values = self.ROW.unpack_from(self.memory, begin + self.PLAN.size + k * self.ROW.size)
+            return tuple(values[axis] for axis in axes)
+
+        for k in range(min(following - first, count) - 1, -1, -1):
+            if row(k) == last:
+                return [row(behind) for behind in range(k + 1, count)]
+        return []
+
+
 class Machine:
     """The LinuxCNC that runs on this computer."""
 
-    def __init__(self, streamer):
+    def __init__(self, plans, streamer):
         import hal
         import linuxcnc
-        self.hal, self.linuxcnc, self.streamer = hal, linuxcnc, streamer
+        self.hal, self.linuxcnc = hal, linuxcnc
+        self.plans, self.axes = plans, None
         self.stat, self.command, self.errors = linuxcnc.stat(), linuxcnc.command(), linuxcnc.error_channel()
         self.stat.poll()
         self.joints = self.stat.joints
@@ -169,10 +198,20 @@ class Machine:
             time.sleep(0.001)
         time.sleep(0.01)
 
+    def play_to_standstill(self):
+        for values in self.plans.rows_behind(self.last, self.axes):
+            while not self.stream.writable and self.pin(PLAY + '.ok-out'):
+                time.sleep(0.001)
+            if not self.pin(PLAY + '.ok-out'):
+                return
+            self.stream.write(values)
+            self.last = values
+
     def end(self):
         """Whoever sent the rows has gone."""
         if not self.taken:
             return
+        self.play_to_standstill()
         self.run_dry()
         if not self.pin(PLAY + '.ok-out'):
             self.release()
@@ -212,13 +251,15 @@ def serve(machine):
                 return
             text += got
         while text:
-            long = 1 + (size if text[:1] in b'ARB' else 0)
+            long = 1 + (size if text[:1] in b'XARB' else 0)
             if len(text) < long:
                 break
             letter, values = text[:1], struct.unpack(f'{(long - 1) // 8}d', text[1:long])
             text = text[long:]
             if letter == b'R':
                 machine.row(values)
+            elif letter == b'X':
+                machine.axes = [round(value) for value in values]
             elif letter == b'T':
                 if not machine.take():
                     say('halt it does not stand where the program begins any more')
@@ -242,7 +283,7 @@ def serve(machine):
 
 def main():
     try:
-        machine = Machine(int(sys.argv[1]) if len(sys.argv) > 1 else 0)
+        machine = Machine(Plans(int(sys.argv[1])), int(sys.argv[2]) if len(sys.argv) > 2 else 0)
         machine.pin(PLAY + '.ok-out')
     except Exception as error:  # whatever LinuxCNC's modules raise, it cannot be spoken to
         say(f'missing {type(error).__name__}: {error}'.replace('\n', ' '))

@@ -100,26 +100,6 @@ def programs(shared):
 
 # --- inside LinuxCNC, as its user interface
 
-def take_step(linuxcnc, command, what):
-    """pause, resume, abort, override SHARE, mdi BLOCK, kill: what an operator does, and what happens to a planner."""
-    word, _, rest = what.partition(' ')
-    if word == 'pause':
-        command.auto(linuxcnc.AUTO_PAUSE)
-    elif word == 'resume':
-        command.auto(linuxcnc.AUTO_RESUME)
-    elif word == 'abort':
-        command.abort()
-        command.wait_complete(10)
-    elif word == 'override':
-        command.feedrate(float(rest))
-    elif word == 'mdi':
-        command.mode(linuxcnc.MODE_MDI)
-        command.wait_complete()
-        command.mdi(rest)
-    elif word == 'kill':
-        subprocess.run(['pkill', '-9', '-f', 'trunnion serve'])
-
-
 def interface(folder):
     import hal
     import linuxcnc
@@ -152,10 +132,7 @@ def interface(folder):
         hal.set_p('sampler.0.enable', '1')
         command.auto(linuxcnc.AUTO_RUN, 0)
         started, begin = False, time.monotonic()
-        steps = wanted.get('steps', [])
         while time.monotonic() < begin + wanted['seconds']:
-            while steps and time.monotonic() > begin + steps[0][0]:
-                take_step(linuxcnc, command, steps.pop(0)[1])
             while record.readable:
                 rows.append(record.read())
             stat.poll()
@@ -164,7 +141,7 @@ def interface(folder):
             if message:
                 said.append(str(message[1]))
             idle = started and stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos
-            if stat.task_state != linuxcnc.STATE_ON or idle and not steps:
+            if stat.task_state != linuxcnc.STATE_ON or idle:
                 break
             time.sleep(0.01)
         time.sleep(0.1)
@@ -182,8 +159,18 @@ def interface(folder):
 # --- one run
 
 def as_user(words, environment, **more):
-    return subprocess.Popen(['runuser', '-u', USER, '--', 'env', '-i', f'HOME={pwd.getpwnam(USER).pw_dir}', 'PATH=/usr/bin:/bin',
-                             'USER=' + USER, *environment, *words], start_new_session=True, stdin=subprocess.DEVNULL, **more)
+    """Before other work on the machine: a control's computer has none."""
+    process = subprocess.Popen(['nice', '-n', '-10', 'runuser', '-u', USER, '--', 'env', '-i', f'HOME={pwd.getpwnam(USER).pw_dir}', 'USER=' + USER,
+                             'PATH=/usr/bin:/bin', *environment, *words], start_new_session=True, stdin=subprocess.DEVNULL, **more)
+    come_first(process)
+    return process
+
+
+def come_first(process):
+    """Its session as a whole, where the system shares the processors out by sessions: there `nice` counts only within one."""
+    group = pathlib.Path(f'/proc/{process.pid}/autogroup')
+    if group.exists():
+        group.write_text('-10')
 
 
 def warped(folder, times):
@@ -202,14 +189,14 @@ def build_warp(folder, shared):
         os.chmod(shutil.which('rtapi_app'), 0o755)  # a program with the set-user bit takes no preloaded library
 
 
-def configure(folder, trunnion, machine, planner):
-    subprocess.run([trunnion, 'machine', 'export', machine, '--linuxcnc', '-o', folder, *(['--serve'] if planner != 'LinuxCNC' else [])],
-                   check=True, stdout=subprocess.DEVNULL)
+def configure(folder, trunnion, machine, planner, interface, period='1 ms'):
+    """`interface`: what LinuxCNC starts as its user interface; it ends when that does."""
+    subprocess.run([trunnion, 'machine', 'export', machine, '--linuxcnc', '-o', folder, '--period', period,
+                    *(['--serve'] if planner != 'LinuxCNC' else [])], check=True, stdout=subprocess.DEVNULL)
     ini, hal = next(folder.glob('*.ini')), next(folder.glob('*.hal'))
     interface_file = folder / 'interface.sh'
-    interface_file.write_text(f'#!/bin/sh\nexec /usr/bin/python3 {folder}/compare.py --interface {folder}\n')
+    interface_file.write_text('#!/bin/sh\nexec /usr/bin/python3 -B ' + ' '.join(str(word) for word in interface) + '\n')
     interface_file.chmod(0o755)
-    shutil.copy(__file__, folder / 'compare.py')
     text = ini.read_text().replace('DISPLAY = dummy', f'DISPLAY = {interface_file}').replace('FERROR = 0.01', 'FERROR = 1000')
     ini.write_text(text.replace('[TRAJ]', '[TRAJ]\nARC_BLEND_RAMP_FREQ = 20'))
     more = 'loadrt sampler depth=20000 cfg=fffffs\naddf sampler.0 servo-thread\nsetp sampler.0.enable 0\n'
@@ -225,16 +212,13 @@ def leave_no_process(session):
         time.sleep(1)
 
 
-def run(folder, trunnion, machine, planner, program, seconds, steps=()):
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    ini = configure(folder, trunnion, machine, planner)
-    (folder / 'wanted.json').write_text(json.dumps({'program': str(program), 'seconds': seconds, 'steps': list(steps)}))
+def run_linuxcnc(folder, ini, seconds, environment=()):
+    """Until its user interface ends, which leaves result.json."""
     subprocess.run(['chown', '-R', USER, folder], check=True)
     while LOCK.exists():
         time.sleep(2)
     with open(folder / 'linuxcnc.log', 'w') as log:
-        process = as_user(['linuxcnc', str(ini)], warped(folder, WARP if planner == 'LinuxCNC' else 1), stdout=log, stderr=subprocess.STDOUT, cwd=folder)
+        process = as_user(['linuxcnc', str(ini)], environment, stdout=log, stderr=subprocess.STDOUT, cwd=folder)
         try:
             process.wait(seconds + 60)
         except subprocess.TimeoutExpired:
@@ -243,7 +227,17 @@ def run(folder, trunnion, machine, planner, program, seconds, steps=()):
     LOCK.unlink(missing_ok=True)
     if not (folder / 'result.json').exists():
         raise SystemExit(f'{folder}: LinuxCNC did not begin:\n' + (folder / 'linuxcnc.log').read_text()[-2000:])
-    return json.loads((folder / 'result.json').read_text()), numpy.load(folder / 'rows.npy')
+    return json.loads((folder / 'result.json').read_text())
+
+
+def run(folder, trunnion, machine, planner, program, seconds):
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    shutil.copy(__file__, folder / 'compare.py')
+    ini = configure(folder, trunnion, machine, planner, [folder / 'compare.py', '--interface', folder])
+    (folder / 'wanted.json').write_text(json.dumps({'program': str(program), 'seconds': seconds}))
+    result = run_linuxcnc(folder, ini, seconds, warped(folder, WARP if planner == 'LinuxCNC' else 1))
+    return result, numpy.load(folder / 'rows.npy')
 
 
 # --- what came of it

@@ -45,19 +45,19 @@ Result<void> check_program(const PlayOptions& options, const Workplace& workplac
     });
 }
 
-Result<std::unique_ptr<RowSink>> make_sink(const PlayOptions& options, Workplace& workplace) {
+Result<std::unique_ptr<RowSink>> make_sink(const PlayOptions& options, Workplace& workplace, int plans) {
     const double period_s = workplace.options.period_s;
     if (options.dry_run) return std::make_unique<ClockSink>(period_s, options.speed);
     const auto depth = periods_of("--depth", options.depth, period_s);
     if (!depth) return fail(depth.error());
-    auto sink = LinuxcncSink::connect();
+    auto sink = LinuxcncSink::connect(plans);
     if (!sink) return fail(sink.error());
     if (auto good = (*sink)->accept(workplace.machine, period_s, *depth); !good) return fail(good.error());
     workplace.machine = narrowed(workplace.machine, (*sink)->facts(), (*sink)->joints());
     return std::unique_ptr<RowSink>(std::move(*sink));
 }
 
-Result<PlaySession> prepare(const PlayOptions& options, Workplace workplace) {
+Result<PlaySession> prepare(const PlayOptions& options, Workplace workplace, trunnion_plans& plans) {
     PlaySession out{.job = options.job,
                     .workplace = std::move(workplace),
                     .record = options.record,
@@ -67,8 +67,7 @@ Result<PlaySession> prepare(const PlayOptions& options, Workplace workplace) {
     out.lead_rows = *lead;
     for (const Diagnostic& assumed : out.workplace.diagnostics) print(assumed, options.job.quiet);
     if (auto good = check_program(options, out.workplace); !good) return fail(good.error());
-    out.plans = map_plans();
-    if (!out.plans) return fail({.code = "RT0012", .text = "no memory to share"});
+    out.plans = &plans;
     trunnion_plans_begin(out.plans, static_cast<std::uint64_t>(out.workplace.machine.axis_count),
                          out.workplace.options.period_s);
     return out;
@@ -77,9 +76,11 @@ Result<PlaySession> prepare(const PlayOptions& options, Workplace workplace) {
 Result<int> play(const PlayOptions& options) {
     auto workplace = load_workplace(options.job);
     if (!workplace) return fail(workplace.error());
-    const auto sink = make_sink(options, *workplace);
+    const SharedPlans shared = share_plans();
+    if (!shared.plans) return fail({.code = "RT0012", .text = "no memory to share"});
+    const auto sink = make_sink(options, *workplace, shared.descriptor);
     if (!sink) return fail(sink.error());
-    auto session = prepare(options, std::move(*workplace));
+    auto session = prepare(options, std::move(*workplace), *shared.plans);
     if (!session) return fail(session.error());
     auto record = RowRecord::create(session->record, session->workplace.machine, session->workplace.options.period_s);
     if (!record) return fail(record.error());

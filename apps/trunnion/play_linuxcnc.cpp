@@ -148,8 +148,8 @@ Result<void> check_place(const LinuxcncFacts& facts, const std::vector<std::size
     return {};
 }
 
-Result<std::unique_ptr<LinuxcncSink>> LinuxcncSink::connect() {
-    const auto bridge = start_program({"/usr/bin/python3", bridge_file()});
+Result<std::unique_ptr<LinuxcncSink>> LinuxcncSink::connect(int plans) {
+    const auto bridge = start_program({"/usr/bin/python3", bridge_file(), std::to_string(plans)});
     if (!bridge) return fail(bridge.error());
     std::unique_ptr<LinuxcncSink> out(new LinuxcncSink(*bridge));
     const auto line = out->next_line(longest_hello_s);
@@ -170,6 +170,9 @@ Result<void> LinuxcncSink::accept(const machine::Machine& machine, double period
     joints_ = std::move(*joints);
     machine_ = machine;
     depth_rows_ = depth_rows;
+    trunnion_row axes{};
+    for (std::size_t i = 0; i < joints_.size(); ++i) axes.position[i] = static_cast<double>(i);
+    order('X', &axes);
     return {};
 }
 

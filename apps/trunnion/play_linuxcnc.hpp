@@ -41,8 +41,9 @@ Result<void> check_place(const LinuxcncFacts& facts, const std::vector<std::size
 /// Rows into the streamer of a running LinuxCNC, through linuxcnc/bridge.py.
 class LinuxcncSink final : public RowSink {
   public:
-    /// Starts the bridge and hears its facts. Errors: RT0001 no LinuxCNC, RT0012.
-    static Result<std::unique_ptr<LinuxcncSink>> connect();
+    /// Starts the bridge and hears its facts. `plans`: descriptor of the plan buffer that the rows come from; should
+    /// we be killed, the bridge plays the last plan to its standstill. Errors: RT0001 no LinuxCNC, RT0012.
+    static Result<std::unique_ptr<LinuxcncSink>> connect(int plans);
     ~LinuxcncSink() override;
 
     const LinuxcncFacts& facts() const { return facts_; }

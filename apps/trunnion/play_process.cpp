@@ -39,9 +39,8 @@ Process parents_ends(const Pipes& pipes, pid_t child) {
     return {.id = child, .to = pipes.down[1], .from = pipes.up[0]};
 }
 
-/// In the child: ends with the parent, and only with it; what the terminal or a group is told is told to the parent.
+/// In the child: what the terminal or a group is told is told to the parent.
 void leave_terminal() {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);
 }
 
@@ -66,10 +65,14 @@ void write_line(int descriptor, std::string line) {
     (void)!write(descriptor, line.data(), line.size());
 }
 
-trunnion_plans* map_plans() {
+SharedPlans share_plans() {
+    SharedPlans out;
+    out.descriptor = memfd_create("trunnion-plans", 0);
+    if (out.descriptor < 0 || ftruncate(out.descriptor, sizeof(trunnion_plans)) != 0) return out;
     void* const memory =
-        mmap(nullptr, sizeof(trunnion_plans), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    return memory == MAP_FAILED ? nullptr : static_cast<trunnion_plans*>(memory);
+        mmap(nullptr, sizeof(trunnion_plans), PROT_READ | PROT_WRITE, MAP_SHARED, out.descriptor, 0);
+    if (memory != MAP_FAILED) out.plans = static_cast<trunnion_plans*>(memory);
+    return out;
 }
 
 Result<Process> fork_process(const std::function<int(int, int)>& work) {
@@ -79,6 +82,7 @@ Result<Process> fork_process(const std::function<int(int, int)>& work) {
     const pid_t child = fork();
     if (child < 0) return fail(no_process());
     if (child > 0) return parents_ends(*pipes, child);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     leave_terminal();
     close(pipes->down[1]);
     close(pipes->up[0]);

@@ -29,8 +29,12 @@ class LineReader {
 
 void write_line(int descriptor, std::string line);
 
-/// A plan buffer that two processes see: memory that fork() shares.
-trunnion_plans* map_plans();
+/// A plan buffer that processes see: by fork(), and by the descriptor in a program that is started.
+struct SharedPlans {
+    trunnion_plans* plans = nullptr;  ///< null: no memory
+    int descriptor = -1;
+};
+SharedPlans share_plans();
 
 /// A process of ours, with a pipe each way.
 struct Process {
@@ -41,7 +45,8 @@ struct Process {
 /// Forks: `work` in the child with the pipes' other ends, its result the exit status. The child ends with its parent,
 /// and does not see the keyboard's Ctrl-C. Precondition: no thread was started. Errors: RT0012.
 Result<Process> fork_process(const std::function<int(int from_parent, int to_parent)>& work);
-/// Starts a program with stdin and stdout as pipes. Errors: RT0012.
+/// Starts a program with stdin and stdout as pipes; it sees from the end of its stdin that we have ended, and does not
+/// see the keyboard's Ctrl-C. Errors: RT0012.
 Result<Process> start_program(const std::vector<std::string>& words);
 /// Closes the pipes and waits for the end. The exit status; −1: it was killed.
 int wait_for(Process& process);

@@ -32,7 +32,8 @@ MODULE_LICENSE("GPL");
 static char *name = TRUNNION_TP_MEMORY;
 RTAPI_MP_STRING(name, "name of the shared memory");
 
-enum { longest_queue = 4096, lost_after_cycles = 2000, outputs_of_a_move = 8 };
+enum { longest_queue = 4096, outputs_of_a_move = 8 };
+static double const lost_after_s = 2;
 
 /* A digital (value 0 or 1) or analog output that is set when a move begins. */
 struct output { int index, analog; double value; };
@@ -59,14 +60,14 @@ static struct {
     void (*write_analog)(int, double);
 
     /* What LinuxCNC has said for the moves to come. */
-    int next_id, joint;
-    double tolerance, speed_cap;
+    int next_id, joint, synchronised;
+    double tolerance, speed_cap, tool_length;
     int output_count;
     struct output outputs[outputs_of_a_move];
 
     struct move_note notes[longest_queue]; /* by number of the move, modulo */
     uint64_t written, begun, finished;     /* moves: handed over, running or run, behind us */
-    uint32_t epoch, greeted;               /* of our orders; of those that the planner has answered */
+    uint32_t epoch, greeted, given_up;     /* of our orders; of those that the planner has answered; has refused */
     int must_begin;                        /* the next order has to say where it begins */
     int paused, aborting, spoke;
 
@@ -107,17 +108,23 @@ static int stands(void)
     return tp.reader.in_use == 0 || tp.reader.next >= plan->first + plan->count;
 }
 
-/* What is queued is forgotten; the next move begins where the machine is. */
+/* The next move begins where the machine is. */
+static void begin_anew(void)
+{
+    tp.goal = tp.position;
+    tp.must_begin = 1;
+    ++tp.epoch;
+}
+
+/* What is queued is forgotten. */
 static void drop_all(void)
 {
     tp.finished = tp.begun = tp.written;
-    tp.goal = tp.position;
-    tp.must_begin = 1;
     tp.aborting = 0;
     tp.output_count = 0;
     tp.speed = 0;
-    ++tp.epoch;
     tp.shared->orders.aborted = 0;
+    begin_anew();
 }
 
 /* --- orders to the planner ------------------------------------------------------------------------------------ */
@@ -132,8 +139,31 @@ static struct trunnion_order order_to(EmcPose const *end, int kind)
     order.joint = tp.joint;
     order.tolerance = tp.tolerance;
     take_pose(order.end, end);
-    if (tp.status) order.tool_length = tp.status->tool_offset.tran.z;
+    order.tool_length = tp.tool_length;
     return order;
+}
+
+/* Where another tool is in use, what follows is planned for its length. LinuxCNC changes it at rest. */
+static int take_tool(void)
+{
+    double length = tp.status->tool_offset.tran.z;
+    if (length == tp.tool_length) return 1;
+    if (moves_left() > 0) {
+        rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: the tool length changes under way\n");
+        return 0;
+    }
+    tp.tool_length = length;
+    begin_anew();
+    return 1;
+}
+
+static int may_move(void)
+{
+    if (tp.synchronised) {
+        rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: motion synchronised with the spindle (G33, G76, G95) is not served\n");
+        return 0;
+    }
+    return take_tool();
 }
 
 static int say_where_it_begins(void)
@@ -175,18 +205,22 @@ static int hand_over(struct trunnion_order *order, EmcPose const *end, int type,
 int tpAddLine(TP_STRUCT *const unused, EmcPose end, int type, double vel, double ini_maxvel, double acc,
               unsigned char enables, char atspeed, int indexrotary, struct state_tag_t tag)
 {
-    struct trunnion_order order = order_to(&end, trunnion_order_line);
+    struct trunnion_order order;
     if (indexrotary != -1) {
         rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: locking rotary axes are not served\n");
         return TP_ERR_FAIL;
     }
+    if (!may_move()) return TP_ERR_FAIL;
+    order = order_to(&end, trunnion_order_line);
     return hand_over(&order, &end, type, vel, ini_maxvel, enables, atspeed, tag);
 }
 
 int tpAddCircle(TP_STRUCT *const unused, EmcPose end, PmCartesian center, PmCartesian normal, int turn, int type,
                 double vel, double ini_maxvel, double acc, unsigned char enables, char atspeed, struct state_tag_t tag)
 {
-    struct trunnion_order order = order_to(&end, trunnion_order_arc);
+    struct trunnion_order order;
+    if (!may_move()) return TP_ERR_FAIL;
+    order = order_to(&end, trunnion_order_arc);
     order.centre[0] = center.x; order.centre[1] = center.y; order.centre[2] = center.z;
     order.normal[0] = normal.x; order.normal[1] = normal.y; order.normal[2] = normal.z;
     order.turn = turn;
@@ -202,9 +236,8 @@ int tpAddRigidTap(TP_STRUCT *const unused, EmcPose end, double vel, double ini_m
 
 int tpSetSpindleSync(TP_STRUCT *const unused, int spindle, double sync, int velocity_mode)
 {
-    if (sync == 0) return TP_ERR_OK;
-    rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: motion synchronised with the spindle (G33, G76, G95) is not served\n");
-    return TP_ERR_FAIL;
+    tp.synchronised = sync != 0; /* LinuxCNC does not look at what this returns: the move is refused */
+    return tp.synchronised ? TP_ERR_FAIL : TP_ERR_OK;
 }
 
 static int keep_output(int index, int analog, double value)
@@ -247,16 +280,16 @@ static void give_up_plans(void)
     __atomic_store_n(&tp.shared->plans.looked_at, newest, __ATOMIC_RELEASE);
 }
 
-/* Plans of an earlier epoch are not looked at: the planner says when it has made its last one. */
+/* Plans of an earlier epoch are given up, so that the planner does not wait for one of them to be looked at; it says when it
+ * has made its last one. */
 static int planner_answers(void)
 {
-    struct trunnion_orders *orders = &tp.shared->orders;
-    if (tp.must_begin) return 0;
-    if (tp.greeted == tp.epoch) return 1;
-    if (__atomic_load_n(&orders->answered, __ATOMIC_ACQUIRE) != tp.epoch) return 0;
+    int answered = __atomic_load_n(&tp.shared->orders.answered, __ATOMIC_ACQUIRE) == tp.epoch;
+    if (tp.must_begin) answered = 0;
+    if (answered && tp.greeted == tp.epoch) return 1;
     give_up_plans();
-    tp.greeted = tp.epoch;
-    return 1;
+    if (answered) tp.greeted = tp.epoch;
+    return answered;
 }
 
 static int spindle_is_ready(struct move_note const *note)
@@ -318,7 +351,8 @@ static void settle(void)
     if (!stands() && tp.greeted == tp.epoch) return;
     if (tp.begun > tp.finished && orders->done_through >= tp.begun && orders->answered == tp.epoch)
         tp.finished = tp.begun;
-    if (tp.aborting && (orders->stopped == tp.epoch || orders->answered != tp.epoch || tp.beat_cycle == 0)) drop_all();
+    if (tp.aborting && (orders->stopped == tp.epoch || orders->answered != tp.epoch || tp.given_up == tp.epoch || tp.beat_cycle == 0))
+        drop_all();
 }
 
 /* A planner that does not move is told once; what it planned has come to its standstill by then. */
@@ -329,7 +363,7 @@ static void watch_the_planner(void)
         tp.beat = orders->beat;
         tp.beat_cycle = orders->cycles;
         tp.spoke = 0;
-    } else if (orders->cycles - tp.beat_cycle > lost_after_cycles && moves_left() > 0) {
+    } else if ((orders->cycles - tp.beat_cycle) * orders->period_s > lost_after_s && moves_left() > 0) {
         if (!tp.spoke) rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: no answer from `trunnion serve`; is it running?\n");
         tp.spoke = 1;
         tp.beat_cycle = 0;
@@ -337,6 +371,7 @@ static void watch_the_planner(void)
     if (orders->refused != tp.shared->told && orders->refused > 0) {
         rtapi_print_msg(RTAPI_MSG_ERR, "trunnion_tp: %s\n", orders->reason);
         tp.shared->told = orders->refused;
+        tp.given_up = tp.epoch;
     }
 }
 
@@ -376,12 +411,14 @@ int tpIsDone(TP_STRUCT *const unused) { return moves_left() == 0; }
 int tpQueueDepth(TP_STRUCT *const unused) { return (int)moves_left(); }
 int tpActiveDepth(TP_STRUCT *const unused) { return moves_left() > 0; }
 int tpGetMotionType(TP_STRUCT *const unused) { return moves_left() > 0 ? note_of(tp.finished + 1)->type : 0; }
-int tpGetExecId(TP_STRUCT *const unused) { return moves_left() > 0 && tp.begun > tp.finished ? note_of(tp.begun)->id : 0; }
+/* Between two moves the next one counts as the present, as with LinuxCNC's own planner. */
+static struct move_note const *present_move(void) { return note_of(tp.begun > tp.finished ? tp.begun : tp.finished + 1); }
+int tpGetExecId(TP_STRUCT *const unused) { return moves_left() > 0 ? present_move()->id : 0; }
 struct state_tag_t tpGetExecTag(TP_STRUCT *const unused)
 {
     struct state_tag_t none;
     memset(&none, 0, sizeof none);
-    return moves_left() > 0 && tp.begun > tp.finished ? note_of(tp.begun)->tag : none;
+    return moves_left() > 0 ? present_move()->tag : none;
 }
 int tcqFull(TC_QUEUE_STRUCT const *const unused) { return moves_left() >= longest_queue - 64; }
 

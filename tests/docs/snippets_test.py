@@ -185,4 +185,5 @@ def main():
     print(f'{len(blocks)} blocks')
 
 
-main()
+if __name__ == '__main__':
+    main()

@@ -110,6 +110,9 @@ class Display:
                 time.sleep(0.01)
             if player.poll() is None:
                 player.kill()
+            while self.hal.get_value('trunnion-play.ok-out') and time.monotonic() - begin < self.scenario.get('longest', 60):
+                self.record()  # the bridge has still to give the axes back
+                time.sleep(0.01)
         time.sleep(0.3)
         self.record()
         return player.returncode
@@ -117,6 +120,8 @@ class Display:
     def do(self, step, player):
         if step == 'E-stop':
             self.command.state(self.linuxcnc.STATE_ESTOP)
+        elif step == 'kill feeder':
+            player.kill()
         elif step == 'kill planner':
             children = subprocess.run(['pgrep', '-P', str(player.pid), '-x', 'trunnion'], capture_output=True, text=True)
             os.kill(int(children.stdout.split()[0]), signal.SIGKILL)
@@ -142,11 +147,13 @@ def start_linuxcnc(folder):
     """As user lcnc, in a session of its own, until its display ends."""
     words = ['linuxcnc', str(folder / 'play.ini')]
     if os.getuid() == 0:
-        words = ['runuser', '-u', 'lcnc', '--', 'env', '-i', 'HOME=/home/lcnc', 'USER=lcnc', 'TERM=dumb',
+        words = ['nice', '-n', '-10', 'runuser', '-u', 'lcnc', '--', 'env', '-i', 'HOME=/home/lcnc', 'USER=lcnc', 'TERM=dumb',
                  'PATH=/usr/bin:/bin'] + words
     with open(folder / 'linuxcnc.log', 'w') as log:
         process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
                                    start_new_session=True, cwd=folder)
+        if os.getuid() == 0:  # sessions share the processors, `nice` counts within one
+            pathlib.Path(f'/proc/{process.pid}/autogroup').write_text('-10')
         try:
             process.wait(120)
         except subprocess.TimeoutExpired:
@@ -221,7 +228,7 @@ class Test:
         scenario['words'] = self.words(program, *more)
         return run_scenario(name, scenario, self.begin[0], self.cases / 'peer-trunnion.toml')
 
-    def expect_played(self, result, status=0):
+    def expect_played(self, result, status=0, period=1e-3):
         assert result['status'] == status, (result['status'], result['err'], result['out'])
         assert result['overruns'] == 0
         drives = without_standing(result['samples'])
@@ -229,13 +236,16 @@ class Test:
         at = drives.index(played[0])
         assert drives[at:at + len(played)] == played, 'rows of the drives are not those that were planned'
         assert len(drives) <= at + len(played) + 32, 'the drives moved on'
-        ratios = worst_ratios(result['samples'], self.PEER)
+        ratios = worst_ratios(result['samples'], self.PEER, period)
         assert max(ratios) < 1.001, ratios
-        assert not result['taken'] and result['drives'] == result['after'], (result['drives'], result['after'])
-        near = max(abs(a - b) for a, b in zip(result['after'], played[-1]))
-        assert near < 4e-6, (result['after'], played[-1])  # LinuxCNC's jog: 0.001 of the acceleration, in one period
-        assert abs(result['moved_on'] - 1) < 1e-5, 'LinuxCNC does not go on from there'
+        self.expect_given_back(result, played[-1])
         return played, ratios
+
+    def expect_given_back(self, result, last):
+        assert not result['taken'] and result['drives'] == result['after'], (result['drives'], result['after'])
+        near = max(abs(a - b) for a, b in zip(result['after'], last))
+        assert near < 4e-6, (result['after'], last)  # LinuxCNC's jog: 0.001 of the acceleration, in one period
+        assert abs(result['moved_on'] - 1) < 1e-5, 'LinuxCNC does not go on from there'
 
     def stand(self, program):
         """Where a program begins."""
@@ -272,6 +282,25 @@ def kill_the_planner(test):
     played, ratios = test.expect_played(result, status=1)
     assert 'RT0008' in result['err'], result['err']
     print(f'planner killed: {len(played)} rows, peaks of the limits {ratios}')
+
+
+def kill_the_feeder(test):
+    """What hands out the rows; the bridge plays the last plan to its standstill."""
+    result = test.run('feeder', 'sine-10k.ngc', stand=test.stand('sine-10k.ngc'), steps=[(4, 'kill feeder')])
+    assert result['status'] == -signal.SIGKILL, result['status']
+    ratios = worst_ratios(result['samples'], test.PEER)
+    assert max(ratios) < 1.001, ratios
+    rows = without_standing(result['samples'])
+    assert len(rows) > 3000, len(rows)
+    test.expect_given_back(result, rows[-1])
+    print(f'feeder killed: {len(rows)} rows, peaks of the limits {ratios}')
+
+
+def period_of_250_us(test):
+    result = test.run('fast', 'fillet.ngc', more=('-o', 'FOLDER/rows.csv', '--depth', '200ms', '--period', '0.25ms'), period_ns=250000,
+                      stand=test.stand('fillet.ngc'))
+    played, ratios = test.expect_played(result, period=250e-6)
+    print(f'250 us: {len(played)} rows reached the drives to the last bit; peaks of the limits {ratios}')
 
 
 def press_estop(test):
@@ -315,7 +344,7 @@ def refuse_narrower_limits(test):
     refused(test, 'reach', 'PATH0102', reach=55, stand=[0, 0, 0, 0, 0])
 
 
-SCENARIOS = [play_to_the_end, play_under_commands, stop_in_the_middle, kill_the_planner, press_estop, refuse_off,
+SCENARIOS = [play_to_the_end, play_under_commands, stop_in_the_middle, kill_the_planner, kill_the_feeder, period_of_250_us, press_estop, refuse_off,
              refuse_unhomed, refuse_other_period, refuse_other_axes, refuse_other_place, refuse_narrower_limits]
 
 
