@@ -12,12 +12,17 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Along the feed: S_u, S_v, or N² d − (d·N) N, times something positive.
-VectorBernstein feed_of(const FeedReference& feed, const PatchPolynomials& face, const VectorBernstein& normal) {
-    if (feed.along == FeedReference::Along::u) return face.along_u;
-    if (feed.along == FeedReference::Along::v) return face.along_v;
+/// Along the feed and along N × feed, both times something positive: S_u or S_v and N × it, or of a direction d what
+/// is in the tangent plane of it, (N × d) × N, and N × d.
+struct Tangents {
+    VectorBernstein feed, across;
+};
+Tangents tangents_of(const FeedReference& feed, const PatchPolynomials& face, const VectorBernstein& normal) {
+    if (feed.along == FeedReference::Along::u) return {face.along_u, cross(normal, face.along_u)};
+    if (feed.along == FeedReference::Along::v) return {face.along_v, cross(normal, face.along_v)};
     const VectorBernstein d = bernstein<Vector3d>(0, 0, Vector3d(0, 0, 0), [&](int, int) { return feed.direction; });
-    return minus(times(dot(normal, normal), d), times(dot(d, normal), normal));
+    const VectorBernstein across = cross(normal, d);
+    return {cross(across, normal), across};
 }
 
 /// A bound of |e − wanted|, e the component of a way along a direction D: way·D/|D|.
@@ -50,10 +55,10 @@ double lean_error_bound_mm(const LeanField& field, const BezierPatch& face_patch
     const VectorBernstein way = minus(points_of(orientation), points_of(guiding));
     const double tan_lead = std::tan(field.lean.lead_rad), tan_tilt = std::tan(field.lean.tilt_rad);
     const double up_mm = field.height_mm / std::hypot(1, tan_lead, tan_tilt);
-    const VectorBernstein feed = feed_of(field.feed, face, normal);
+    const Tangents tangents = tangents_of(field.feed, face, normal);
     const double off_normal = component_error(way, normal, up_mm);
-    const double off_feed = component_error(way, feed, up_mm * tan_lead);
-    const double off_across = component_error(way, cross(normal, feed), up_mm * tan_tilt);
+    const double off_feed = component_error(way, tangents.feed, up_mm * tan_lead);
+    const double off_across = component_error(way, tangents.across, up_mm * tan_tilt);
     return std::hypot(off_normal, off_feed, off_across);
 }
 

@@ -15,27 +15,6 @@ using namespace samples;
 using Eigen::Vector3d;
 using geometry::Side;
 
-constexpr double height_mm = 50;
-
-/// Second points over hills(60, 12), some 50 mm up, that lean by 10 to 25°; with knots at 0.3, 0.55, 0.8 or none.
-BsplineSurface leaning(bool knots_inside) {
-    const SurfaceDirection one{3, {0, 0, 0, 0, 1, 1, 1, 1}}, four{3, {0, 0, 0, 0, 0.3, 0.55, 0.8, 1, 1, 1, 1}};
-    const SurfaceDirection& along = knots_inside ? four : one;
-    const int rows = static_cast<int>(along.points());
-    std::vector<Vector3d> points;
-    for (int i = 0; i < rows; ++i)
-        for (int j = 0; j < rows; ++j) {
-            const double x = static_cast<double>(i) / (rows - 1), y = static_cast<double>(j) / (rows - 1);
-            points.emplace_back(60 * x + 18 + 4 * std::sin(5 * x + y), 60 * y + 6 * std::cos(4 * y - x),
-                                height_mm + 6 * x);
-        }
-    return BsplineSurface::make(along, along, points).value();
-}
-
-SurfaceTool on(const BsplineSurface& orientation, double radius_mm, double corner_mm) {
-    return {.radius_mm = radius_mm, .corner_mm = corner_mm, .orientation = &orientation};
-}
-
 /// Ball, torus and flat: the axis points to S₂, and the tool touches the surface at the contact.
 TEST(OrientedCurve, puts_the_tool_onto_the_contact_with_the_axis_of_the_surface) {
     const auto surface = hills(60, 4), second = leaning(true);

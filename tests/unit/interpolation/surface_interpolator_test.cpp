@@ -126,6 +126,15 @@ TEST(SurfaceInterpolator, goes_over_bridges_within_their_tolerance) {
     EXPECT_GT(error, 1e-8);  // there are bridges
 }
 
+/// The lean changes along the pass: the axis is that of the orientation surface every period.
+TEST(SurfaceInterpolator, follows_an_orientation_surface) {
+    const BsplineSurface smooth = leaning(false), knotted = leaning(true);
+    const Pass exact(hills(60, 4), bow(), on(smooth, 6, 2), 50), bridged(hills(60, 4), bow(), on(knotted, 6, 2), 50);
+    EXPECT_LT(largest_error(exact, StepOrder::corrected, 1e-3), 1e-9);
+    EXPECT_GT(bridged.path.bridged_mm, 0);
+    EXPECT_LT(largest_error(bridged, StepOrder::corrected, 1e-3), 2e-4 + 30 * 2e-5);
+}
+
 TEST(SurfaceInterpolator, moves_the_axes_to_the_pose_without_a_jump) {
     const Pass pass = smooth_pass(50);
     const SurfaceProfile profile(pass.profile);
@@ -216,6 +225,14 @@ TEST(SurfaceInterpolator, allocates_nothing_while_it_runs) {
         for (double t = 0; t < pass.profile.duration_s(); t += 1e-3) sum += interpolator.at(t).position[0];
         EXPECT_EQ(allocations, before_all) << sum;
     }
+    const BsplineSurface second = leaning(true);
+    const Pass oriented(hills(60, 4), bow(), on(second, 6, 2), 50);
+    const SurfaceProfile profile(oriented.profile);
+    const std::size_t before_all = allocations;
+    SurfaceInterpolator interpolator(oriented.curve, oriented.path, oriented.axes, profile, StepOrder::corrected);
+    double sum = 0;
+    for (double t = 0; t < oriented.profile.duration_s(); t += 1e-3) sum += interpolator.at(t).position[0];
+    EXPECT_EQ(allocations, before_all) << sum;
     const std::size_t before = allocations;  // the guard counts
     const std::vector<double> something(static_cast<std::size_t>(before % 7 + 3));
     EXPECT_GT(allocations, before);

@@ -75,6 +75,24 @@ inline SurfaceTool flat_tool(double radius) {
     return {.radius_mm = radius};
 }
 
+/// Second points over hills(60, 12), some 50 mm up, that lean by 10 to 25°; with knots at 0.3, 0.55, 0.8 or none.
+inline BsplineSurface leaning(bool knots_inside) {
+    const SurfaceDirection one{3, {0, 0, 0, 0, 1, 1, 1, 1}}, four{3, {0, 0, 0, 0, 0.3, 0.55, 0.8, 1, 1, 1, 1}};
+    const SurfaceDirection& along = knots_inside ? four : one;
+    const int rows = static_cast<int>(along.points());
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < rows; ++j) {
+            const double x = static_cast<double>(i) / (rows - 1), y = static_cast<double>(j) / (rows - 1);
+            points.emplace_back(60 * x + 18 + 4 * std::sin(5 * x + y), 60 * y + 6 * std::cos(4 * y - x), 50 + 6 * x);
+        }
+    return BsplineSurface::make(along, along, points).value();
+}
+
+inline SurfaceTool on(const BsplineSurface& orientation, double radius_mm, double corner_mm) {
+    return {.radius_mm = radius_mm, .corner_mm = corner_mm, .orientation = &orientation};
+}
+
 /// C A X Y Z: A turns a table that carries C.
 inline machine::Machine trunnion_table() {
     machine::Machine out;
