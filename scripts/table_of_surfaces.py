@@ -25,7 +25,7 @@ WAYS = [['along-u'], ['along-v'], ['along-u', '--tilt=60deg'], ['along-u', '--ti
         ['along-v', '--tilt=-60deg']]
 PASSES = 60
 MOST_LEFT = 0.5
-SECONDS, SECONDS_A_FACE = 45, 90
+SECONDS, SECONDS_A_FACE = 60, 120
 
 BEHIND = """
 "goes … into face … of the file": the look at every move finds the tool in the part; such a plan is written, counts as not usable, and the command ends with

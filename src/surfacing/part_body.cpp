@@ -24,6 +24,7 @@ namespace {
 struct Descent {
     const ToolBody& body;
     double tolerance, least;
+    bool any_will_do;
     Vector3d at = Vector3d::Zero();
 
     /// Differences below it are not followed up.
@@ -31,7 +32,8 @@ struct Descent {
 
     bool over(const Corners& triangle) {
         const double before = least;
-        std::array<Corners, 64> stack{triangle};
+        std::array<Corners, 64> stack;  // not filled: that would cost more than most triangles do
+        stack[0] = triangle;
         for (std::size_t depth = 1; depth > 0;) {
             const Corners part = stack[--depth];
             const Vector3d middle = (part[0] + part[1] + part[2]) / 3;
@@ -44,6 +46,7 @@ struct Descent {
                     bound = b, lowest = k;
             if (bound >= least - fine()) continue;
             meet(part[lowest], body.gap(part[lowest]).distance);
+            if (any_will_do && least < before) return true;
             if (bound >= least - fine() || depth + 2 > stack.size()) continue;
             // Across the longest side: slivers as of a cylinder's skin become no thinner.
             int side = 0;
@@ -187,7 +190,7 @@ void PartBody::deepen(const Body& body, bool any_will_do, Penetration& deepest) 
         const Gap gap = body.gap(box.middle);
         return gap.distance - gap.gradient.cwiseAbs().dot(box.half);
     };
-    Descent descent{.body = body, .tolerance = tolerance_, .least = -deepest.depth_mm};
+    Descent descent{.body = body, .tolerance = tolerance_, .least = -deepest.depth_mm, .any_will_do = any_will_do};
     struct Entry {
         std::int32_t box;
         double bound;

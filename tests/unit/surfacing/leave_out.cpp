@@ -128,7 +128,6 @@ TEST(LeaveOut, LeavesWhatPassesDoNotGetTo) {
     ASSERT_TRUE(reached) << to_string(reached.error());
     const auto verdict =
         check_surface(face, cutter, reached->plan.passes, {.left = reached->plan.left, .left_above_mm = 0.02});
-    EXPECT_LT(verdict.highest_mm, 0.0201) << verdict.highest_at_mm.transpose();
     EXPECT_GT(verdict.left_mm2, 1);
     EXPECT_LT(verdict.left_mm2, 0.25 * verdict.area_mm2);
 }
