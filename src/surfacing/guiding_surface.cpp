@@ -52,13 +52,9 @@ struct Offset {
         if (!even_weights(face)) return weights_of(face);
         return detail::bernstein<double>(0, 0, 0.0, [&](int, int) { return face.control.front()[3]; });
     }
-    /// Along the normal: w⁴ S_u × S_v.
+    /// Along the normal: a multiple of S_u × S_v.
     VectorBernstein normal(const ScalarBernstein& weight, const VectorBernstein& a) const {
-        using namespace detail;
-        if (weight.degree_u == 0 && weight.degree_v == 0) return scaled(cross(by_u(a), by_v(a)));
-        const VectorBernstein p = minus(times(weight, by_u(a)), times(by_u(weight), a));
-        const VectorBernstein q = minus(times(weight, by_v(a)), times(by_v(weight), a));
-        return scaled(cross(p, q));
+        return scaled(detail::normal_of(weight, a));
     }
 
     VectorBernstein scaled(VectorBernstein n) const {

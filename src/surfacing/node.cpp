@@ -64,8 +64,7 @@ Result<void> check_fit(const Job& job, const Station& station) {
 }
 
 bool is_unbearable(const Job& job, double highest) {
-    constexpr double bearable = 1.2;
-    return highest > bearable * job.options.scallop_mm;
+    return highest > job.options.scallop_mm;
 }
 
 Result<void> check_ridge(const Job& job, double highest, const Eigen::Vector3d& at) {
@@ -84,10 +83,16 @@ std::unexpected<Diagnostic> too_many_ways() {
                  .hint = "a larger scallop, or a larger tool"});
 }
 
-std::unexpected<Diagnostic> too_much_work(std::size_t ways) {
+Result<void> check_work(std::size_t places, double covered, std::size_t ways) {
+    constexpr double first_look = 0.05;
+    const double spent = static_cast<double>(places) / static_cast<double>(most_work);
+    // What is begun with may be the narrowest part of a face; the more is spent the less of that is left.
+    const bool hopeless = spent >= first_look && covered < 2 * spent * spent;
+    if (spent <= 1 && !hopeless) return {};
     return fail({.code = "SURF0206",
                  .text = fmt::format("{} passes, and far from done", ways),
-                 .limit = fmt::format("ridges measured at {} places", most_work),
+                 .value = fmt::format("{:.2g} % of the face covered, ridges measured at {} places", 100 * covered, places),
+                 .limit = fmt::format("{} places", most_work),
                  .hint = "a larger scallop, a larger tool, or another strategy"});
 }
 

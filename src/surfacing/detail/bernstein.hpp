@@ -104,6 +104,12 @@ Bernstein<Value> by_v(const Bernstein<Value>& a) {
     });
 }
 
+/// Along S_u × S_v of S = a/w, w > 0: w⁴ S_u × S_v, where w is constant w² S_u × S_v.
+inline VectorBernstein normal_of(const ScalarBernstein& w, const VectorBernstein& a) {
+    if (w.degree_u == 0 && w.degree_v == 0) return cross(by_u(a), by_v(a));
+    return cross(minus(times(w, by_u(a)), times(by_u(w), a)), minus(times(w, by_v(a)), times(by_v(w), a)));
+}
+
 struct HullRange {
     double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
 };
