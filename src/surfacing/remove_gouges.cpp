@@ -16,8 +16,10 @@ using geometry::SurfacePlace;
 /// The loop of remove_gouges(): targets of orientations grow until no pose gouges.
 class GougeRemover {
   public:
-    GougeRemover(const GuidedTool& tool, int machined, const PartBody& part, const GougeRemovalOptions& options)
-        : tool_(tool), machined_(machined), part_(part), options_(options) {}
+    /// `agreeing`: targets have room round them and share their leans; else each takes what is nearest for itself.
+    GougeRemover(const GuidedTool& tool, int machined, const PartBody& part, const GougeRemovalOptions& options,
+                 bool agreeing)
+        : tool_(tool), machined_(machined), part_(part), options_(options), agreeing_(agreeing) {}
 
     Result<GougeRemoval> run(std::span<const Pass> passes) {
         OrientationSurface orientation = tool_.orientation;
@@ -38,7 +40,7 @@ class GougeRemover {
                 beyond.empty() ? "" : orientation.check(beyond.front().place, beyond.front().axis).error().value;
             reach_beyond_ = options_.clearance_rad * (1 + round);  // what was not enough the last time
             if (auto found = add_targets(*laid, *report, beyond, tool); !found) return fail(std::move(found.error()));
-            if (round >= rounds_apart) agree();
+            if (agreeing_) agree();
             auto deformed = tool_.orientation.moved_towards(wanted(), options_.hold);
             if (!deformed) return fail(std::move(deformed.error()));
             orientation = std::move(*deformed);
@@ -47,9 +49,6 @@ class GougeRemover {
     }
 
   private:
-    /// After which targets agree with each other.
-    static constexpr int rounds_apart = 2;
-
     struct Target {
         OrientationTarget wanted;
         Vector3d along;    ///< the motion there; 0: it is the limits that want it
@@ -203,13 +202,26 @@ class GougeRemover {
         return std::cos(angle) * from + std::sin(angle) * (std::cos(direction) * e1 + std::sin(direction) * e2);
     }
 
-    /// The orientation nearest to one that is free, with as much room round it as there is up to what is wanted.
+    /// The orientation nearest to one that is free, and a little beyond it where that is free too; or, agreeing, with as
+    /// much room round it as there is up to what is wanted.
     std::optional<Vector3d> free_axis(const Gouge& gouge, const Vector3d& along, const GuidedTool& tool) const {
         const Vector3d from = tool.orientation.nearest_allowed(gouge.place, gouge.axis);
+        if (!agreeing_) {
+            const auto nearest = nearest_axis(gouge.place, along, from, 0);
+            if (!nearest || *nearest == from) return nearest;
+            const Vector3d beyond = farther(from, *nearest, reach_beyond_);
+            return is_free(gouge.place, along, beyond) ? beyond : nearest;
+        }
         constexpr double least_share = 0.2;
         for (double room = reach_beyond_; room > least_share * options_.clearance_rad; room *= 0.5)
             if (auto axis = nearest_axis(gouge.place, along, from, room)) return axis;
         return nearest_axis(gouge.place, along, from, 0);
+    }
+
+    static Vector3d farther(const Vector3d& from, const Vector3d& to, double by) {
+        const Vector3d aside = (to - to.dot(from) * from).normalized();
+        const double angle = geometry::angle_between(from, to) + by;
+        return std::cos(angle) * from + std::sin(angle) * aside;
     }
 
     std::optional<Vector3d> nearest_axis(const SurfacePlace& place, const Vector3d& along, const Vector3d& from,
@@ -287,11 +299,14 @@ class GougeRemover {
     GougeReport last_;
     std::string last_beyond_;
     double reach_beyond_ = 0;
+    bool agreeing_;
 };
 
 Result<GougeRemoval> remove_gouges(const GuidedTool& tool, int machined, const PartBody& part,
                                    std::span<const Pass> passes, const GougeRemovalOptions& options) {
-    return GougeRemover(tool, machined, part, options).run(passes);
+    auto removed = GougeRemover(tool, machined, part, options, false).run(passes);
+    if (removed || removed.error().code != "SURF0311") return removed;
+    return GougeRemover(tool, machined, part, options, true).run(passes);
 }
 
 }  // namespace trunnion::surfacing

@@ -67,13 +67,15 @@ class SideCheck {
     explicit SideCheck(const Face& face) : face_(face) {}
 
     /// Where normals are opposite; nothing where they are not.
-    std::optional<Vector2d> look(const BezierPatch& patch, int depth = 0) const {
+    std::optional<Vector2d> look(const BezierPatch& patch, int depth = 0) {
         constexpr double smallest_mm = 0.002;
         constexpr int deepest = 48;
         const Sides sides = sides_of(normal_of(patch));
         if (sides == Sides::one || overlap(face_, patch.low, patch.high) == Overlap::none) return std::nullopt;
         if (sides == Sides::one_or_none) return over_edges(patch.low, patch.high);
         if (depth == deepest || extent_mm(patch) < smallest_mm) return judged(patch.low, patch.high);
+        constexpr int most_halved = 20'000;
+        if (++halved_ > most_halved) return std::nullopt;
         for (const BezierPatch& half : patch.halves(is_longer_along_u(patch)))
             if (auto found = look(half, depth + 1)) return found;
         return std::nullopt;
@@ -115,7 +117,22 @@ class SideCheck {
         if (!contains(face_, {a.x(), a.y()}) || !contains(face_, {b.x(), b.y()})) return false;
         const auto one = shape_at(face_.surface, {a.x(), a.y()}, face_.side);
         const auto other = shape_at(face_.surface, {b.x(), b.y()}, face_.side);
-        return one && other && geometry::angle_between(one->normal, other->normal) > std::numbers::pi - half_a_degree;
+        return one && other && geometry::angle_between(one->normal, other->normal) > std::numbers::pi - half_a_degree &&
+               goes_on(a, a - b, one->normal) && goes_on(b, b - a, other->normal);
+    }
+
+    /// Whether the face goes on with that normal: borders of real files turn back by less than a micron.
+    bool goes_on(const Vector2d& from, Vector2d step, const Vector3d& normal) const {
+        constexpr double wide_mm = 0.02;
+        constexpr int most_doublings = 60;
+        const Vector3d start = face_.surface.at(from.x(), from.y());
+        for (int k = 0; k < most_doublings; ++k, step *= 2) {
+            const Vector2d at = from + step;
+            if (!contains(face_, {at.x(), at.y()})) return false;
+            const auto shape = shape_at(face_.surface, {at.x(), at.y()}, face_.side);
+            if (shape && (shape->point - start).norm() > wide_mm) return shape->normal.dot(normal) > 0;
+        }
+        return false;
     }
 
     std::optional<Vector2d> judged(const Vector2d& low, const Vector2d& high) const {
@@ -127,6 +144,7 @@ class SideCheck {
     }
 
     const Face& face_;
+    int halved_ = 0;
 };
 
 /// Knots that a surface may have a crease at.
@@ -144,7 +162,7 @@ std::optional<Vector2d> place_turned_over(const Face& face) {
     const Vector2d low = box.low.cwiseMax(Vector2d(surface.u().begin(), surface.v().begin()));
     const Vector2d high = box.high.cwiseMin(Vector2d(surface.u().end(), surface.v().end()));
     const auto u = breaks_of(surface.u(), low.x(), high.x()), v = breaks_of(surface.v(), low.y(), high.y());
-    const SideCheck check(face);
+    SideCheck check(face);
     for (const BezierPatch& patch : patches_of(surface, u, v))
         if (auto found = check.look(patch)) return found;
     constexpr double aside = 1e-9;
