@@ -202,8 +202,8 @@ class GougeRemover {
         return std::cos(angle) * from + std::sin(angle) * (std::cos(direction) * e1 + std::sin(direction) * e2);
     }
 
-    /// The orientation nearest to one that is free, and a little beyond it where that is free too; or, agreeing, with as
-    /// much room round it as there is up to what is wanted.
+    /// The orientation nearest to one that is free, and a little beyond it where that is free too; or, agreeing, with
+    /// as much room round it as there is up to what is wanted.
     std::optional<Vector3d> free_axis(const Gouge& gouge, const Vector3d& along, const GuidedTool& tool) const {
         const Vector3d from = tool.orientation.nearest_allowed(gouge.place, gouge.axis);
         if (!agreeing_) {

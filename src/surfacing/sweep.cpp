@@ -258,8 +258,8 @@ class Sweeper {
         }
     }
 
-    /// One step for all places, so that the highest ridge is the wanted one or just below it: after the last attempt the
-    /// widest step whose ridges were no higher.
+    /// One step for all places, so that the highest ridge is the wanted one or just below it: after the last attempt
+    /// the widest step whose ridges were no higher.
     Result<std::optional<Laid>> next_alike(const Way& way, int index, std::vector<Node>& nodes) {
         const double wanted = job_.ridge_mm(), aim = (1 - ridge_accuracy) * wanted, first = uniform_step(nodes);
         StepBracket known;

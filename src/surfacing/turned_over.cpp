@@ -33,10 +33,10 @@ VectorBernstein normal_of(const BezierPatch& patch) {
     const double first = patch.control.front()[3];
     const auto is_first = [first](const Eigen::Vector4d& c) { return std::abs(c[3] - first) <= 1e-15 * first; };
     const bool even = std::ranges::all_of(patch.control, is_first);
-    return normal_of(even ? bernstein<double>(0, 0, 0.0, [first](int, int) { return first; })
-                          : bernstein<double>(patch.degree_u, patch.degree_v, 0.0,
-                                              [&](int i, int j) { return patch.at(i, j)[3]; }),
-                     points);
+    return normal_of(
+        even ? bernstein<double>(0, 0, 0.0, [first](int, int) { return first; })
+             : bernstein<double>(patch.degree_u, patch.degree_v, 0.0, [&](int i, int j) { return patch.at(i, j)[3]; }),
+        points);
 }
 
 /// Whether all normals of a patch are on one side of some plane, or some in it, as at an edge that is one point.
@@ -182,12 +182,13 @@ Result<void> check_side(const Face& face) {
     const auto place = place_turned_over(face);
     if (!place) return {};
     const Vector3d at = face.surface.at(place->x(), place->y());
-    return fail({.code = "SURF0211",
-                 .text = fmt::format("the face turns over at ({:.3f} {:.3f} {:.3f}): which side of it is to be machined "
-                                     "cannot be told",
-                                     at.x(), at.y(), at.z()),
-                 .value = fmt::format("normals opposite to each other at u = {:.6g}, v = {:.6g}", place->x(), place->y()),
-                 .hint = "a face that does not fold, or the part of it on one side of that place"});
+    return fail(
+        {.code = "SURF0211",
+         .text = fmt::format("the face turns over at ({:.3f} {:.3f} {:.3f}): which side of it is to be machined "
+                             "cannot be told",
+                             at.x(), at.y(), at.z()),
+         .value = fmt::format("normals opposite to each other at u = {:.6g}, v = {:.6g}", place->x(), place->y()),
+         .hint = "a face that does not fold, or the part of it on one side of that place"});
 }
 
 }  // namespace trunnion::surfacing::detail

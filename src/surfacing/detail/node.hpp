@@ -32,8 +32,8 @@ struct Node {
     bool at_reach() const { return interval * correction >= longest; }
 };
 
-/// Steps of a strategy with one number for all of a pass: the widest known whose highest ridge is as wanted or lower, and
-/// the narrowest whose ridge is higher. Between them the step is looked for, so that the search ends.
+/// Steps of a strategy with one number for all of a pass: the widest known whose highest ridge is as wanted or lower,
+/// and the narrowest whose ridge is higher. Between them the step is looked for, so that the search ends.
 struct StepBracket {
     double low = 0, low_ridge = 0, high = std::numeric_limits<double>::infinity(), high_ridge = 0;
 

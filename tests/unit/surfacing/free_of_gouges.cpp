@@ -124,8 +124,8 @@ TEST(FreeOfGouges, LeavesAPlanThatIsFreeAsItIs) {
         EXPECT_EQ(out->plan.program.moves[k].position_mm, plan.program.moves[k].position_mm);
 }
 
-/// Bottom, rounding of 8 mm and wall of a pocket. The pass along the border beside the rounding has two ways out: towards
-/// the wall, or, at one end of it, over the wall's end. Its orientations must take the same one.
+/// Bottom, rounding of 8 mm and wall of a pocket. The pass along the border beside the rounding has two ways out:
+/// towards the wall, or, at one end of it, over the wall's end. Its orientations must take the same one.
 TEST(FreeOfGouges, TakesOneWayOutAlongABorderBesideARounding) {
     const double y = 30, half = std::sqrt(0.5);
     const geometry::BsplineSurface rounding =

@@ -37,10 +37,13 @@ Face folded_back(int degree, double share) {
                               once, line(), {{0, 0, 0}, {0, 9, 0}, {16, 0, 0}, {16, 9, 0}, {5, 0, 0}, {5, 9, 0}})
                               .value());
     // x = 16 u (2 share − u): back from u = share on.
-    return whole_face(geometry::BsplineSurface::make(
-                          quadratic(), line(),
-                          {{0, 0, 0}, {0, 9, 0}, {16 * share, 0, 0}, {16 * share, 9, 0}, {32 * share - 16, 0, 0},
-                           {32 * share - 16, 9, 0}})
+    return whole_face(geometry::BsplineSurface::make(quadratic(), line(),
+                                                     {{0, 0, 0},
+                                                      {0, 9, 0},
+                                                      {16 * share, 0, 0},
+                                                      {16 * share, 9, 0},
+                                                      {32 * share - 16, 0, 0},
+                                                      {32 * share - 16, 9, 0}})
                           .value());
 }
 
@@ -49,8 +52,8 @@ Face thin_edge(double radius) {
     const geometry::SurfaceDirection cubic{3, {0, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1, 1}};
     std::vector<Eigen::Vector3d> points;
     const double r = radius, in = 4.0 / 3 * r;
-    for (const auto& [x, z] : {std::pair{-3.0, 2 * r}, {-2.0, 2 * r}, {-1.0, 2 * r}, {0.0, 2 * r}, {in, 2 * r},
-                               {in, 0.0}, {0.0, 0.0}})
+    for (const auto& [x, z] :
+         {std::pair{-3.0, 2 * r}, {-2.0, 2 * r}, {-1.0, 2 * r}, {0.0, 2 * r}, {in, 2 * r}, {in, 0.0}, {0.0, 0.0}})
         for (const double y : {0.0, 4.0}) points.emplace_back(x, y, z);
     return facing(geometry::BsplineSurface::make(cubic, line(), points).value(), {0, 0, 1});
 }
@@ -70,10 +73,10 @@ Face roof(double share, double turn_deg) {
     const double turn = turn_deg * degree, length = 16 * share;
     const Eigen::Vector3d before(-length * std::cos(turn), 0, -length * std::sin(turn)), after(16 - length, 0, 0);
     const Eigen::Vector3d top(0, 0, 0), wide(0, 9, 0);
-    return facing(geometry::BsplineSurface::make(
-                      once, line(), {before, before + wide, top, top + wide, after, after + wide})
-                      .value(),
-                  {0, 0, 1});
+    return facing(
+        geometry::BsplineSurface::make(once, line(), {before, before + wide, top, top + wide, after, after + wide})
+            .value(),
+        {0, 0, 1});
 }
 
 Result<SurfacePlan> planned_turned(const Face& face, double feed_deg) {
