@@ -113,7 +113,9 @@ Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& su
     auto faces = faces_of(name, *list);
     if (!faces) return fail(faces.error());
     out.others = own ? others_of(*faces, work.faces) : std::move(*faces);
-    if (!own) out.file = name.file;
+    if (own) return out;
+    out.file = name.file;
+    told.insert(told.end(), list->diagnostics.begin(), list->diagnostics.end());
     return out;
 }
 

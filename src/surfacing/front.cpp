@@ -25,6 +25,18 @@ double line_length_mm(const geometry::BsplineSurface& surface, const Eigen::Vect
     return sum;
 }
 
+double area_mm2(const geometry::BsplineSurface& surface, const ParameterBox& box) {
+    constexpr int parts = 24;
+    const Eigen::Vector2d cell = (box.high - box.low) / parts;
+    double sum = 0;
+    for (int i = 0; i < parts; ++i)
+        for (int j = 0; j < parts; ++j) {
+            const auto at = surface.evaluate(box.low.x() + (i + 0.5) * cell.x(), box.low.y() + (j + 0.5) * cell.y());
+            sum += at.by_u.cross(at.by_v).norm() * cell.x() * cell.y();
+        }
+    return sum;
+}
+
 /// Whether the surface has normals all along a line of its parameters.
 bool has_normals(const Job& job, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     for (const double share : {0.0, 0.3, 0.5, 0.7, 1.0}) {
@@ -85,7 +97,7 @@ Result<Field> field_of(const Job& job) {
     const geometry::BsplineSurface& surface = job.face.surface;
     const ParameterBox& inside = job.box;
     const Eigen::Vector2d middle = 0.5 * (inside.low + inside.high), half = 0.5 * (inside.high - inside.low);
-    Field field{.box = inside, .middle = middle};
+    Field field{.box = inside, .middle = middle, .face_box_mm2 = area_mm2(surface, inside)};
     double longest = 0;
     const auto shape = job.shape({middle.x(), middle.y()});
     if (!shape)

@@ -64,18 +64,19 @@ Result<void> check_fit(const Job& job, const Station& station) {
 }
 
 bool is_unbearable(const Job& job, double highest) {
-    constexpr double bearable = 1.2;
-    return highest > bearable * job.options.scallop_mm;
+    return highest > job.options.scallop_mm;
 }
 
 Result<void> check_ridge(const Job& job, double highest, const Eigen::Vector3d& at) {
     if (!is_unbearable(job, highest)) return {};
-    return fail({.code = "SURF0209",
-                 .text = fmt::format("no distance of passes keeps the scallop near ({:.3f} {:.3f} {:.3f})", at.x(),
-                                     at.y(), at.z()),
-                 .value = fmt::format("ridges of {:.4g} mm", highest),
-                 .limit = fmt::format("{:.4g} mm", job.options.scallop_mm),
-                 .hint = "a smaller tool, or another direction of feed"});
+    return fail(
+        {.code = "SURF0209",
+         .text =
+             fmt::format("no distance of passes keeps the scallop near ({:.3f} {:.3f} {:.3f})", at.x(), at.y(), at.z()),
+         .value = fmt::format("ridges of {:.4g} mm", highest),
+         .limit = fmt::format("{:.4g} mm", job.options.scallop_mm),
+         .hint = job.cutter.is_ball() ? "a smaller tool, another direction of feed, or another strategy"
+                                      : "a smaller tool, more lead, another direction of feed, or another strategy"});
 }
 
 std::unexpected<Diagnostic> too_many_ways() {
@@ -84,11 +85,18 @@ std::unexpected<Diagnostic> too_many_ways() {
                  .hint = "a larger scallop, or a larger tool"});
 }
 
-std::unexpected<Diagnostic> too_much_work(std::size_t ways) {
-    return fail({.code = "SURF0206",
-                 .text = fmt::format("{} passes, and far from done", ways),
-                 .limit = fmt::format("ridges measured at {} places", most_work),
-                 .hint = "a larger scallop, a larger tool, or another strategy"});
+Result<void> check_work(std::size_t places, double covered, std::size_t ways) {
+    constexpr double first_look = 0.05;
+    const double spent = static_cast<double>(places) / static_cast<double>(most_work);
+    // What is begun with may be the narrowest part of a face; the more is spent the less of that is left.
+    const bool hopeless = spent >= first_look && covered < 2 * spent * spent;
+    if (spent <= 1 && !hopeless) return {};
+    return fail(
+        {.code = "SURF0206",
+         .text = fmt::format("{} passes, and far from done", ways),
+         .value = fmt::format("{:.2g} % of the face covered, ridges measured at {} places", 100 * covered, places),
+         .limit = fmt::format("{} places", most_work),
+         .hint = "a larger scallop, a larger tool, or another strategy"});
 }
 
 }  // namespace trunnion::surfacing::detail

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -79,10 +80,11 @@ double ridge_slope(const Job& job, const Station& at) {
 }
 
 /// How far the tool, moved straight from one station to another, is off touching the surface in between, and what
-/// ridges rise by where it is off its way sideways.
+/// ridges rise by where it is off its way sideways. Infinite where a place between them has no normal.
 double straight_error_mm(const Job& job, const Way& way, bool backwards, double from, double to) {
     const auto a = job.station(way, from, backwards), b = job.station(way, to, backwards);
-    if (!a || !b) return 0;
+    constexpr double unknown_mm = std::numeric_limits<double>::infinity();  // as short a step as there is
+    if (!a || !b) return unknown_mm;
     const geometry::GreatCircle turn(a->pose.axis, b->pose.axis);
     const double slope = ridge_slope(job, *a), corner = job.cutter.corner_mm();
     double largest = 0;
@@ -90,7 +92,7 @@ double straight_error_mm(const Job& job, const Way& way, bool backwards, double 
     for (int k = 1; k < parts; ++k) {
         const double w = static_cast<double>(k) / parts;
         const auto at = job.station(way, from + w * (to - from), backwards);
-        if (!at) return 0;
+        if (!at) return unknown_mm;
         const CutterPose pose{(1 - w) * a->pose.tip_mm + w * b->pose.tip_mm, turn.at(w)};
         const Eigen::Vector3d off = pose.tip_mm + corner * pose.axis - at->pose.tip_mm - corner * at->pose.axis;
         const double sideways = slope * std::abs(off.dot(at->across));

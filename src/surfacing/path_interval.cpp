@@ -56,10 +56,14 @@ double upright_reach_mm(const Cutter& cutter, const Eigen::Matrix2d& shape, cons
     return std::max({at_a, at_b, reach(0)});
 }
 
-/// 1/(nᵀM⁻¹n), or nᵀMn.
-double curvature_across(const Eigen::Matrix2d& matrix, const Eigen::Vector2d& across, bool by_normal_radius) noexcept {
-    if (by_normal_radius) return across.dot(matrix * across);
-    return 1 / geometry::conjugate_radius(matrix, across);
+/// Of M = K + W: nᵀMn; but the edge of a tool that leans to both sides may be as sharp as any in the normal section,
+/// where what it sweeps along the feed is round. So at most 1/(nᵀ(K + κI)⁻¹n), κ the larger curvature of W: neither is
+/// below 1/(nᵀM⁻¹n).
+double normal_curvature_across(const Eigen::Matrix2d& matrix, const Eigen::Matrix2d& surface,
+                               const Eigen::Vector2d& across) noexcept {
+    const double bend = geometry::principal_curvatures(surface).larger;
+    const Eigen::Matrix2d swept = matrix - surface + bend * Eigen::Matrix2d::Identity();
+    return std::min(across.dot(matrix * across), 1 / geometry::conjugate_radius(swept, across));
 }
 
 }  // namespace
@@ -90,7 +94,8 @@ double path_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, 
                         const Eigen::Vector2d& across, double scallop, bool by_normal_radius) noexcept {
     const double longest = longest_interval_mm(cutter, at, axis, across);
     const Eigen::Matrix2d matrix = parting(cutter, at, axis);
-    const double relative = curvature_across(matrix, across, by_normal_radius);
+    const double relative = by_normal_radius ? normal_curvature_across(matrix, at.shape, across)
+                                             : 1 / geometry::conjugate_radius(matrix, across);
     if (!cutter.is_ball() && Cutter::upright(at.normal, axis)) {
         const double radius = relative > 1e-12 ? 1 / relative : infinite;
         if (by_normal_radius && cutter.corner_mm() > 0)

@@ -18,6 +18,7 @@
 #include "detail/passes.hpp"
 #include "detail/plane_sections.hpp"
 #include "detail/sweep.hpp"
+#include "detail/turned_over.hpp"
 
 namespace trunnion::surfacing {
 
@@ -69,6 +70,8 @@ class RegionPlanner {
     }
 
     Result<SurfacePlan> run() {
+        for (std::size_t k = 0; k < faces_.size(); ++k)
+            if (auto sided = detail::check_side(faces_[k]); !sided) return refused(k, std::move(sided.error()));
         auto laid = options_.strategy == Strategy::parallel_planes ? by_planes() : face_by_face();
         if (!laid) return fail(std::move(laid.error()));
         if (options_.borders)

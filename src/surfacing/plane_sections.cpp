@@ -115,6 +115,7 @@ class PlaneSweep {
             Row next;
             if (auto done = corrected(here, offset, side, index, step, next); !done) return done;
             offset += side * step;
+            covered_ += step / (high - low);
             if (offset < low || offset > high) return {};
             for (const SectionWay& way : next) out_.ways.push_back(way);
             here = std::move(next);
@@ -146,40 +147,28 @@ class PlaneSweep {
         std::vector<LeftPlace> too_high;
     };
 
-    /// A step whose highest ridge is as wanted or lower, and one whose ridge is higher.
-    struct Bracket {
-        double low = 0, low_ridge = 0, high = std::numeric_limits<double>::infinity(), high_ridge = 0;
-
-        void narrow(double step, double ridge, double wanted) {
-            if (ridge <= wanted)
-                low = step, low_ridge = ridge;
-            else
-                high = step, high_ridge = ridge;
-        }
-        bool is_closed() const { return low > 0 && low < high && std::isfinite(high); }
-        /// Ridges of leaning tools in narrow hollows rise faster than intervals tell: steps by these would go to and
-        /// fro.
-        double step_of(double ridge) const {
-            return low + (high - low) * (ridge - low_ridge) / (high_ridge - low_ridge);
-        }
-    };
-
     Result<void> corrected(const Row& here, double offset, int side, int index, double& step, Row& next) {
         const Job& job = faces_.front().job();
         const double wanted = job.ridge_mm();
-        Bracket known;
+        const double first = step;
+        StepBracket known;
         Ridges ridges;
-        for (int attempt = 0; attempt < utmost_attempts; ++attempt) {
+        bool last = false;
+        for (int attempt = 0;; ++attempt) {
             next = row(offset + side * step, index + side);
-            if (auto bearable = check_work(here); !bearable) return bearable;
+            if (auto bearable = spend(here); !bearable) return bearable;
             ridges = measured(here, next);
-            if (ridges.highest <= wanted && ridges.highest > wanted * (1 - 2 * ridge_accuracy)) break;
+            if (last || (ridges.highest <= wanted && ridges.highest > wanted * (1 - 2 * ridge_accuracy))) break;
             known.narrow(step, ridges.highest, wanted);
             const double asked =
                 known.is_closed() ? known.step_of((1 - ridge_accuracy) * wanted) : step * ridges.factor;
-            const double better = std::min(asked, ridges.largest_step);
-            const bool enough = attempt + 1 >= most_attempts && ridges.highest <= wanted;
-            if (std::abs(better - step) < 1e-6 * step || enough) break;
+            double better = std::min(asked, ridges.largest_step);
+            if (attempt + 1 >= most_attempts && ridges.highest <= wanted) break;
+            if (attempt + 1 >= utmost_attempts || std::abs(better - step) < 1e-6 * step) {
+                if (ridges.highest <= wanted || (known.low == 0 && !job.options.leave_out)) break;
+                better = known.low > 0 ? known.low : first;  // ridges that nothing lowers are left out
+                last = true;
+            }
             step = better;
         }
         if (job.options.leave_out)
@@ -190,10 +179,9 @@ class PlaneSweep {
         return {};
     }
 
-    Result<void> check_work(const Row& here) {
+    Result<void> spend(const Row& here) {
         for (const SectionWay& one : here) work_ += one.way.lengths().size();
-        if (work_ <= most_work) return {};
-        return too_much_work(out_.ways.size());
+        return check_work(work_, covered_, out_.ways.size());
     }
 
     Ridges measured(const Row& here, const Row& next) const {
@@ -251,6 +239,7 @@ class PlaneSweep {
     Eigen::Vector3d normal_;
     PlaneSections& out_;
     std::size_t work_ = 0;
+    double covered_ = 0;  ///< share of all planes that are gone over
 };
 
 }  // namespace

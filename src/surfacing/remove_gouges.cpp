@@ -16,8 +16,10 @@ using geometry::SurfacePlace;
 /// The loop of remove_gouges(): targets of orientations grow until no pose gouges.
 class GougeRemover {
   public:
-    GougeRemover(const GuidedTool& tool, int machined, const PartBody& part, const GougeRemovalOptions& options)
-        : tool_(tool), machined_(machined), part_(part), options_(options) {}
+    /// `agreeing`: targets have room round them and share their leans; else each takes what is nearest for itself.
+    GougeRemover(const GuidedTool& tool, int machined, const PartBody& part, const GougeRemovalOptions& options,
+                 bool agreeing)
+        : tool_(tool), machined_(machined), part_(part), options_(options), agreeing_(agreeing) {}
 
     Result<GougeRemoval> run(std::span<const Pass> passes) {
         OrientationSurface orientation = tool_.orientation;
@@ -38,7 +40,8 @@ class GougeRemover {
                 beyond.empty() ? "" : orientation.check(beyond.front().place, beyond.front().axis).error().value;
             reach_beyond_ = options_.clearance_rad * (1 + round);  // what was not enough the last time
             if (auto found = add_targets(*laid, *report, beyond, tool); !found) return fail(std::move(found.error()));
-            auto deformed = tool_.orientation.moved_towards(targets_, options_.hold);
+            if (agreeing_) agree();
+            auto deformed = tool_.orientation.moved_towards(wanted(), options_.hold);
             if (!deformed) return fail(std::move(deformed.error()));
             orientation = std::move(*deformed);
         }
@@ -46,10 +49,24 @@ class GougeRemover {
     }
 
   private:
+    struct Target {
+        OrientationTarget wanted;
+        Vector3d along;    ///< the motion there; 0: it is the limits that want it
+        double least_rad;  ///< turned from how the tool stood, for itself alone
+    };
+
+    std::vector<OrientationTarget> wanted() const {
+        std::vector<OrientationTarget> out;
+        for (const Target& target : targets_) out.push_back(target.wanted);
+        return out;
+    }
+
     Result<void> add_targets(std::span<const Pass> passes, const GougeReport& report,
                              const std::vector<OrientationTarget>& beyond, const GuidedTool& tool) {
         for (const OrientationTarget& place : beyond)
-            put({place.place, tool_.orientation.nearest_allowed(place.place, place.axis, reach_beyond_)});
+            put({{place.place, tool_.orientation.nearest_allowed(place.place, place.axis, reach_beyond_)},
+                 Vector3d::Zero(),
+                 0});
         auto deepest_first = report.gouges;
         std::ranges::stable_sort(deepest_first, std::ranges::greater{}, &Gouge::depth_mm);
         std::vector<Vector3d> taken;
@@ -66,7 +83,7 @@ class GougeRemover {
             const Vector3d along = sign * (contacts[next].point_mm - contacts[gouge.contact].point_mm);
             const auto axis = free_axis(gouge, along, tool);
             if (!axis) return fail(none_free(gouge, at));
-            put({gouge.place, *axis});
+            put({{gouge.place, *axis}, along, turn_from_start(gouge.place, *axis)});
         }
         return {};
     }
@@ -87,14 +104,79 @@ class GougeRemover {
     }
 
     /// Replaces a target that is at nearly the same place.
-    void put(OrientationTarget target) {
-        target.place = on_surface(target.place);
+    void put(Target target) {
+        target.wanted.place = on_surface(target.wanted.place);
         const auto at = [&](const SurfacePlace& place) { return tool_.face.surface.at(place.u, place.v); };
-        const Vector3d here = at(target.place);
+        const Vector3d here = at(target.wanted.place);
         const double same = 0.1 * spacing();
-        std::erase_if(targets_, [&](const auto& other) { return (at(other.place) - here).norm() < same; });
+        std::erase_if(targets_, [&](const Target& other) { return (at(other.wanted.place) - here).norm() < same; });
         targets_.push_back(target);
     }
+
+    double turn_from_start(const SurfacePlace& place, const Vector3d& axis) const {
+        return geometry::angle_between(axis, tool_.orientation.axis(on_surface(place)));
+    }
+
+    /// What of an axis is the same at other places: how it leans.
+    std::optional<Lean> lean_at(const SurfacePlace& place, const Vector3d& axis) const {
+        const auto shape = shape_at(tool_.face.surface, place, tool_.face.side);
+        const auto feed = shape ? tool_.orientation.limits().feed.at(*shape) : std::nullopt;
+        return feed ? lean_of(axis, *shape, *feed) : std::nullopt;
+    }
+    std::optional<Vector3d> leaning(const SurfacePlace& place, const Lean& lean) const {
+        const auto shape = shape_at(tool_.face.surface, place, tool_.face.side);
+        const auto feed = shape ? tool_.orientation.limits().feed.at(*shape) : std::nullopt;
+        return feed ? std::optional(axis_of(lean, *shape, *feed)) : std::nullopt;
+    }
+
+    /// The leans that targets ask for, those apart from each other.
+    std::vector<Lean> leans() const {
+        constexpr double apart_rad = std::numbers::pi / 180;
+        constexpr std::size_t most = 100;
+        std::vector<Lean> out;
+        for (const Target& target : targets_) {
+            const auto lean = lean_at(target.wanted.place, target.wanted.axis);
+            const auto near = [&](const Lean& other) {
+                return std::hypot(other.lead_rad - lean->lead_rad, other.tilt_rad - lean->tilt_rad) < apart_rad;
+            };
+            if (lean && out.size() < most && std::ranges::none_of(out, near)) out.push_back(*lean);
+        }
+        return out;
+    }
+
+    /// The axis of a lean at a target, where it is free with room and not much farther than what the target wants.
+    std::optional<Vector3d> serving(const Target& target, const Lean& lean) const {
+        constexpr double farther = 1.5, slack_rad = std::numbers::pi / 90;
+        const auto axis = leaning(target.wanted.place, lean);
+        if (!axis || target.along.isZero()) return std::nullopt;
+        if (turn_from_start(target.wanted.place, *axis) > farther * target.least_rad + slack_rad) return std::nullopt;
+        if (!is_free(target.wanted.place, target.along, *axis)) return std::nullopt;
+        if (!is_roomy(target.wanted.place, target.along, *axis, options_.clearance_rad)) return std::nullopt;
+        return axis;
+    }
+
+    /// Where there are two ways out neighbours may have taken different ones, and between them the surface gouges: as
+    /// few leans for all targets as serve them, the one that serves most of them first.
+    void agree() {
+        const std::vector<Lean> all = leans();
+        std::vector<std::vector<std::optional<Vector3d>>> axes;  // by lean and target
+        for (const Lean& lean : all) {
+            axes.emplace_back();
+            for (const Target& target : targets_) axes.back().push_back(serving(target, lean));
+        }
+        const auto serves = [](const auto& served) { return std::ranges::count_if(served, &has); };
+        while (true) {
+            const auto most = std::ranges::max_element(axes, {}, serves);
+            if (most == axes.end() || serves(*most) < 2) return;
+            const auto served = *most;
+            for (std::size_t k = 0; k < targets_.size(); ++k) {
+                if (!served[k]) continue;
+                targets_[k].wanted.axis = *served[k];
+                for (auto& other : axes) other[k].reset();
+            }
+        }
+    }
+    static bool has(const std::optional<Vector3d>& axis) { return axis.has_value(); }
 
     /// Whether the tool may stand at a place with an orientation and is in nothing there.
     bool is_free(const SurfacePlace& place, const Vector3d& along, const Vector3d& axis) const {
@@ -106,33 +188,65 @@ class GougeRemover {
         return !part_.is_deeper(cutter, pose, options_.gouge.tolerance_mm, options_.gouge.holder);
     }
 
-    /// The free orientation nearest to one, and a little beyond it where that is free too.
+    /// Whether orientations all round one are free too. A corner between two walls is free at its tip, and no surface
+    /// keeps to that.
+    bool is_roomy(const SurfacePlace& place, const Vector3d& along, const Vector3d& axis, double room) const {
+        constexpr int directions = 6;
+        for (int k = 0; k < directions && room > 0; ++k)
+            if (!is_free(place, along, turned(axis, 2 * std::numbers::pi * k / directions, room))) return false;
+        return true;
+    }
+
+    static Vector3d turned(const Vector3d& from, double direction, double angle) {
+        const Vector3d e1 = from.unitOrthogonal(), e2 = from.cross(e1);
+        return std::cos(angle) * from + std::sin(angle) * (std::cos(direction) * e1 + std::sin(direction) * e2);
+    }
+
+    /// The orientation nearest to one that is free, and a little beyond it where that is free too; or, agreeing, with
+    /// as much room round it as there is up to what is wanted.
     std::optional<Vector3d> free_axis(const Gouge& gouge, const Vector3d& along, const GuidedTool& tool) const {
         const Vector3d from = tool.orientation.nearest_allowed(gouge.place, gouge.axis);
-        const Vector3d e1 = from.unitOrthogonal(), e2 = from.cross(e1);
+        if (!agreeing_) {
+            const auto nearest = nearest_axis(gouge.place, along, from, 0);
+            if (!nearest || *nearest == from) return nearest;
+            const Vector3d beyond = farther(from, *nearest, reach_beyond_);
+            return is_free(gouge.place, along, beyond) ? beyond : nearest;
+        }
+        constexpr double least_share = 0.2;
+        for (double room = reach_beyond_; room > least_share * options_.clearance_rad; room *= 0.5)
+            if (auto axis = nearest_axis(gouge.place, along, from, room)) return axis;
+        return nearest_axis(gouge.place, along, from, 0);
+    }
+
+    static Vector3d farther(const Vector3d& from, const Vector3d& to, double by) {
+        const Vector3d aside = (to - to.dot(from) * from).normalized();
+        const double angle = geometry::angle_between(from, to) + by;
+        return std::cos(angle) * from + std::sin(angle) * aside;
+    }
+
+    std::optional<Vector3d> nearest_axis(const SurfacePlace& place, const Vector3d& along, const Vector3d& from,
+                                         double room) const {
         constexpr double ring = std::numbers::pi / 180, farthest = std::numbers::pi / 2;
         constexpr int directions = 24;
-        const auto turned = [&](int direction, double angle) -> Vector3d {
-            const double phi = 2 * std::numbers::pi * direction / directions;
-            return std::cos(angle) * from + std::sin(angle) * (std::cos(phi) * e1 + std::sin(phi) * e2);
+        const auto serves = [&](const Vector3d& axis) {
+            return is_free(place, along, axis) && is_roomy(place, along, axis, room);
         };
-        if (is_free(gouge.place, along, from)) return from;
+        if (serves(from)) return from;
         for (double angle = ring; angle < farthest; angle += ring) {
             double least = angle;
-            int best = -1;
+            std::optional<Vector3d> best;
             for (int k = 0; k < directions; ++k) {
-                if (!is_free(gouge.place, along, turned(k, least))) continue;
+                const double direction = 2 * std::numbers::pi * k / directions;
+                if (!serves(turned(from, direction, least))) continue;
                 double held = angle - ring, free = least;
                 while (free - held > 0.1 * ring) {
                     const double middle = 0.5 * (held + free);
-                    (is_free(gouge.place, along, turned(k, middle)) ? free : held) = middle;
+                    (serves(turned(from, direction, middle)) ? free : held) = middle;
                 }
                 least = free;
-                best = k;
+                best = turned(from, direction, least);
             }
-            if (best < 0) continue;
-            const Vector3d beyond = turned(best, least + reach_beyond_);
-            return is_free(gouge.place, along, beyond) ? beyond : turned(best, least);
+            if (best) return best;
         }
         return std::nullopt;
     }
@@ -181,15 +295,18 @@ class GougeRemover {
     int machined_;
     const PartBody& part_;
     const GougeRemovalOptions& options_;
-    std::vector<OrientationTarget> targets_;
+    std::vector<Target> targets_;
     GougeReport last_;
     std::string last_beyond_;
     double reach_beyond_ = 0;
+    bool agreeing_;
 };
 
 Result<GougeRemoval> remove_gouges(const GuidedTool& tool, int machined, const PartBody& part,
                                    std::span<const Pass> passes, const GougeRemovalOptions& options) {
-    return GougeRemover(tool, machined, part, options).run(passes);
+    auto removed = GougeRemover(tool, machined, part, options, false).run(passes);
+    if (removed || removed.error().code != "SURF0311") return removed;
+    return GougeRemover(tool, machined, part, options, true).run(passes);
 }
 
 }  // namespace trunnion::surfacing

@@ -34,7 +34,6 @@ class Sweeper {
             auto next = next_way(way, index, *nodes);
             if (!next) return fail(std::move(next.error()));
             if (!*next || !reaches_box(**next)) return {};
-            correction_ = std::ranges::max_element(*nodes, {}, &Node::correction)->correction;
             out_.ways.push_back({**next, index + side});
             way = std::move(**next);
         }
@@ -116,8 +115,8 @@ class Sweeper {
                                        {at.place.u + guess.x(), at.place.v + guess.y()}, 1);
     }
 
-    std::optional<Way> advanced(const Way& way, const std::vector<Node>& nodes) {
-        const double step = uniform() ? uniform_step(nodes) : 0;
+    /// `step`: of uniform strategies.
+    std::optional<Way> advanced(const Way& way, const std::vector<Node>& nodes, double step) {
         const Strategy strategy = job_.options.strategy;
         if (strategy == Strategy::along_u || strategy == Strategy::along_v) {
             next_parameter_ = parameter_ + step;
@@ -216,64 +215,123 @@ class Sweeper {
     }
 
     Result<std::optional<Way>> next_way(const Way& way, int index, std::vector<Node>& nodes) {
+        auto found = uniform() ? next_alike(way, index, nodes) : next_each(way, index, nodes);
+        if (!found) return fail(std::move(found.error()));
+        if (!*found) return std::nullopt;
+        const Ridges& ridges = (*found)->ridges;
         const bool corrects = job_.options.strategy != Strategy::lin_koren;
-        const double wanted = (uniform() ? 1 - ridge_accuracy : 1) * job_.ridge_mm();
-        std::optional<Way> next;
-        Ridges ridges;
-        for (int attempt = 0; attempt <= utmost_attempts; ++attempt) {
-            next = advanced(way, nodes);
-            if (!next) return next;
-            if (auto fine = check_length(*next); !fine) return fail(std::move(fine.error()));
-            if (auto bearable = check_work(nodes.size()); !bearable) return fail(std::move(bearable.error()));
-            ridges = measured(way, index, nodes, *next, wanted);
-            const bool borne = attempt >= most_attempts && !is_unbearable(job_, ridges.highest);
-            if (!corrects || borne || attempt == utmost_attempts) break;
-            const bool last = attempt + 1 >= most_attempts;
-            if (uniform() ? !corrected_alike(nodes, ridges) : !corrected_each(nodes, ridges, last)) break;
-        }
         if (corrects && job_.options.leave_out)
             out_.too_high.insert(out_.too_high.end(), ridges.too_high.begin(), ridges.too_high.end());
         else if (corrects)
             if (auto kept = check_ridge(job_, ridges.highest, ridges.highest_at); !kept)
                 return fail(std::move(kept.error()));
-        account(nodes, ridges.highest);
-        if (uniform()) last_step_ = uniform_step(nodes);
+        account(way, nodes, (*found)->step, ridges.highest);
         parameter_ = next_parameter_;
-        return next;
+        return std::move((*found)->way);
     }
 
-    Result<void> check_work(std::size_t places) {
+    struct Laid {
+        Way way;
+        Ridges ridges;
+        double step = 0;
+    };
+
+    /// The next way with the intervals of the nodes, or one step; nothing where there is none.
+    Result<std::optional<Laid>> laid(const Way& way, int index, const std::vector<Node>& nodes, double step,
+                                     double wanted) {
+        auto next = advanced(way, nodes, step);
+        if (!next) return std::nullopt;
+        if (auto fine = check_length(*next); !fine) return fail(std::move(fine.error()));
+        if (auto bearable = spend(nodes.size()); !bearable) return fail(std::move(bearable.error()));
+        auto ridges = measured(way, index, nodes, *next, wanted);
+        return Laid{std::move(*next), std::move(ridges), step};
+    }
+
+    Result<std::optional<Laid>> next_each(const Way& way, int index, std::vector<Node>& nodes) {
+        for (int attempt = 0;; ++attempt) {
+            auto next = laid(way, index, nodes, 0, job_.ridge_mm());
+            if (!next || !*next) return next;
+            const Ridges& ridges = (*next)->ridges;
+            const bool borne = attempt >= most_attempts && !is_unbearable(job_, ridges.highest);
+            if (borne || attempt == utmost_attempts) return next;
+            if (!corrected_each(nodes, ridges, attempt + 1 >= most_attempts)) return next;
+        }
+    }
+
+    /// One step for all places, so that the highest ridge is the wanted one or just below it: after the last attempt
+    /// the widest step whose ridges were no higher.
+    Result<std::optional<Laid>> next_alike(const Way& way, int index, std::vector<Node>& nodes) {
+        const double wanted = job_.ridge_mm(), aim = (1 - ridge_accuracy) * wanted, first = uniform_step(nodes);
+        StepBracket known;
+        double step = first;
+        bool last = job_.options.strategy == Strategy::lin_koren;
+        for (int attempt = 0;; ++attempt) {
+            auto next = laid(way, index, nodes, step, aim);
+            if (!next || !*next) return next;
+            const Ridges& ridges = (*next)->ridges;
+            const bool low_enough = ridges.highest <= wanted;
+            const bool close = low_enough && ridges.highest > wanted * (1 - 2 * ridge_accuracy);
+            if (!last && !close && !(low_enough && attempt + 1 >= most_attempts)) {
+                known.narrow(step, ridges.highest, wanted);
+                const double better =
+                    corrected_alike(nodes, known.is_closed() ? known.step_of(aim) / step : ridges.least_factor, step);
+                const bool stands = std::abs(better - step) <= 1e-6 * step || attempt >= utmost_attempts;
+                if (!stands) {
+                    step = better;
+                    continue;
+                }
+                last = !low_enough && (known.low > 0 || job_.options.leave_out);
+                if (last) {
+                    step = known.low > 0 ? known.low : first;  // ridges that nothing lowers are left out
+                    continue;
+                }
+            }
+            last_step_ = step;
+            correction_ *= step / first;
+            return next;
+        }
+    }
+
+    Result<void> spend(std::size_t places) {
         out_.work += places;
-        if (out_.work <= most_work) return {};
-        return too_much_work(out_.ways.size());
+        const double covered = out_.covered_mm2 / field_.face_box_mm2;
+        constexpr double most_covered = 5;  // both sides together, where passes fan out too
+        if (covered > most_covered) return winds_up(fmt::format("{:.2g} times the face's area covered", covered), "1");
+        return check_work(out_.work, covered, out_.ways.size());
+    }
+
+    static std::unexpected<Diagnostic> winds_up(std::string value, std::string limit) {
+        return fail({.code = "SURF0208",
+                     .text = "the passes wind up instead of crossing the face",
+                     .value = std::move(value),
+                     .limit = std::move(limit),
+                     .hint = "another strategy or direction of feed, or a smaller tool"});
     }
 
     /// Ways that grow without end have run into each other's ridges, as where the tool hardly fits.
     Result<void> check_length(const Way& next) const {
         if (next.length() <= field_.longest_way_mm) return {};
-        return fail({.code = "SURF0208",
-                     .text = "the passes wind up instead of crossing the face",
-                     .value = fmt::format("{:.4g} mm of a pass", next.length()),
-                     .limit = fmt::format("{:.4g} mm", field_.longest_way_mm),
-                     .hint = "another strategy or direction of feed, or a smaller tool"});
+        return winds_up(fmt::format("{:.4g} mm of a pass", next.length()),
+                        fmt::format("{:.4g} mm", field_.longest_way_mm));
     }
 
-    /// One correction for all places; false where the ridges are as wanted.
-    bool corrected_alike(std::vector<Node>& nodes, const Ridges& ridges) const {
-        const double wanted = job_.ridge_mm();
-        if (ridges.highest <= wanted && ridges.highest > wanted * (1 - 2 * ridge_accuracy)) return false;
+    /// One correction for all places; at most as far as the tool's end reaches at each.
+    double corrected_alike(std::vector<Node>& nodes, double factor, double step) const {
         const double before = uniform_step(nodes);
         for (Node& node : nodes)
-            if (node.station) node.correct(ridges.least_factor);
-        return std::abs(uniform_step(nodes) - before) > 1e-6 * before;
+            if (node.station) node.correct(factor * step / before);
+        return uniform_step(nodes);
     }
 
-    void account(const std::vector<Node>& nodes, double highest) const {
+    void account(const Way& way, const std::vector<Node>& nodes, double step, double highest) const {
         out_.highest_ridge_mm = std::max(out_.highest_ridge_mm, highest);
-        const double step = uniform() ? uniform_step(nodes) : 0;
-        for (const Node& node : nodes) {
-            if (!node.inside || !node.station) continue;
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const Node& node = nodes[i];
+            if (!node.station || !is_in_box(node.station->place)) continue;
             const double interval = uniform() ? step * rate(*node.station) : node.interval * node.correction;
+            const double length = way.lengths()[i] - (i > 0 ? way.lengths()[i - 1] : 0);
+            out_.covered_mm2 += interval * length;
+            if (!node.inside) continue;
             out_.least_interval_mm = std::min(out_.least_interval_mm, interval);
             out_.largest_interval_mm = std::max(out_.largest_interval_mm, interval);
         }
@@ -281,10 +339,11 @@ class Sweeper {
 
     /// Where a way misses the face within its box, as in a bay of it, the next ones may reach it again.
     bool reaches_box(const Way& way) const {
-        return std::ranges::any_of(way.places(), [this](const SurfacePlace& at) {
-            return at.u >= job_.box.low.x() && at.u <= job_.box.high.x() && at.v >= job_.box.low.y() &&
-                   at.v <= job_.box.high.y();
-        });
+        return std::ranges::any_of(way.places(), [this](const SurfacePlace& at) { return is_in_box(at); });
+    }
+    bool is_in_box(const SurfacePlace& at) const {
+        return at.u >= job_.box.low.x() && at.u <= job_.box.high.x() && at.v >= job_.box.low.y() &&
+               at.v <= job_.box.high.y();
     }
 
     const Job& job_;

@@ -74,6 +74,28 @@ with tempfile.TemporaryDirectory() as name:
     found, said = surface_plan('12_pocket_wall', 'pocket.toml', folder / 'alone.mpf', *wall, '--part', f'{examples}/12_pocket_wall/pocket.toml:2')
     if not found['usable'] or found['part']['faces'] != 2:
         sys.exit(said)
+    # A part of another file: that one of its shells is open is told. One of too many triangles is not looked at: told, or, asked for, refused.
+    flat = '[[surface]]\ncoefficients_mm = [[[0, 0, 0], [0, 40, 0]], [[40, 0, 0], [0, 0, 0]]]\n'
+    (folder / 'flat.toml').write_text(flat)
+    rows = ['--face', '1', '--tool', 'ball 8mm', '--reach', '10mm', '--scallop', '400um', '--strategy', 'along-v', '-o', folder / 'rows.mpf']
+    said = run('surface', 'plan', folder / 'flat.toml', *rows, '--part', examples.parent / 'tests/unit/surfacing/faces/open_shell.step',
+               status=1)
+    if 'SURF0108' not in said:
+        sys.exit(said)
+    (folder / 'vast.toml').write_text(flat + '[[surface]]\ncoefficients_mm = [[[-2e5, -2e5, -9e5], [0, 4e5, 0], [0, 0, 4e5]], [[4e5, 0, 0], '
+                                             '[0, 0, 0], [0, 0, 0]], [[0, 0, 4e5], [0, 0, 0], [0, 0, 0]]]\n')
+    said = run('surface', 'plan', folder / 'vast.toml', *rows)
+    if 'PIPE0118' not in said or 'SURF0302' in said:
+        sys.exit(said)
+    run('surface', 'plan', folder / 'vast.toml', *rows, '--part', 'file', status=2, code='SURF0302')
+    # Under a lid: less than half of the face left out is usable, more is not.
+    for wide, status in (6, 0), (20, 1):
+        (folder / 'lid.toml').write_text(flat + '[[surface]]\nside = "against"\ncoefficients_mm = [[[-10, -10, 6], [0, 60, 0]], '
+                                                f'[[{wide}, 0, 0], [0, 0, 0]]]\n')
+        said = run('surface', 'plan', folder / 'lid.toml', *rows, '--part', 'file', '--leave-out', '--summary', summary, status=status)
+        found = json.loads(summary.read_text())
+        if found['usable'] != (status == 0) or ('more than half of the area is left out' in said) != (status == 1):
+            sys.exit(said)
     said = run('surface', 'list', examples / '11_hollow/bowl.toml')
     if 'whole' not in said:
         sys.exit(said)

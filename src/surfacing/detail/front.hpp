@@ -15,6 +15,7 @@ struct Field {
     Eigen::Vector2d middle;
     double spacing_mm = 1;      ///< of a way's places
     double longest_way_mm = 0;  ///< that any sensible way across the face has
+    double face_box_mm2 = 0;    ///< area of the surface over the face's box
 
     bool holds(const geometry::SurfacePlace& place) const noexcept {
         return place.u >= box.low.x() && place.u <= box.high.x() && place.v >= box.low.y() && place.v <= box.high.y();

@@ -19,6 +19,7 @@ struct Sweep {
     double least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;
     std::vector<LeftPlace> too_high;  ///< with leave_out: places of ridges that nothing lowers
     std::size_t work = 0;             ///< places at which ridges were measured
+    double covered_mm2 = 0;           ///< between ways, over the face's box
 };
 
 /// Ways over the whole face by the strategy of the options, which is not parallel planes. Errors: SURF0203, SURF0205,

@@ -124,6 +124,36 @@ TEST(FreeOfGouges, LeavesAPlanThatIsFreeAsItIs) {
         EXPECT_EQ(out->plan.program.moves[k].position_mm, plan.program.moves[k].position_mm);
 }
 
+/// Bottom, rounding of 8 mm and wall of a pocket. The pass along the border beside the rounding has two ways out:
+/// towards the wall, or, at one end of it, over the wall's end. Its orientations must take the same one.
+TEST(FreeOfGouges, TakesOneWayOutAlongABorderBesideARounding) {
+    const double y = 30, half = std::sqrt(0.5);
+    const geometry::BsplineSurface rounding =
+        geometry::BsplineSurface::make(quadratic(), line(),
+                                       {{0, 0, 8}, {0, y, 8}, {0, 0, 0}, {0, y, 0}, {8, 0, 0}, {8, y, 0}},
+                                       {1, 1, half, half, 1, 1})
+            .value();
+    const std::vector<Face> faces{rectangle({8, 0, 0}, {10, 0, 0}, {0, y, 0}), facing(rounding, {1, 0, 1}),
+                                  rectangle({0, 0, 8}, {0, y, 0}, {0, 0, 32})};
+    SurfaceOptions options = leading(15);
+    options.scallop_mm = 0.2;
+    options.chord_tolerance_mm = 0.0025;
+    options.gouge_tolerance_mm = 1e6;
+    options.borders = true;
+    const Cutter cutter = Cutter::make(torus_tool(10, 2), 40).value();
+    const auto plan = plan_surface(faces.front(), cutter, options).value();
+    const auto part = PartBody::make(faces, 0.0025).value();
+    const auto out = free_of_gouges(plan, {faces.data(), 1}, cutter, part, options,
+                                    {.tolerance_mm = allowed_mm, .limits = limits(1, 60, 60)});
+    ASSERT_TRUE(out) << to_string(out.error());
+    EXPECT_LT(out->largest_turn_rad, 20 * degree);
+    const SampledPart samples(faces, 0.25);
+    double deepest = 0;
+    for (const Pass& pass : out->plan.passes)
+        for (const Contact& at : pass.contacts) deepest = std::max(deepest, samples.depth_mm(cutter, at.pose));
+    EXPECT_LT(deepest, allowed_mm + 0.002);
+}
+
 TEST(FreeOfGougesRefuses, LimitsThatLeaveNoWayOut) {
     const auto out = freed(bottom_and_wall(), leading(15), limits(14, 60, 0.5));
     ASSERT_FALSE(out);

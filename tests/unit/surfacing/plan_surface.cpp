@@ -183,6 +183,24 @@ TEST(LinKoren, LeavesLessThanItMayAwayFromPrincipalDirections) {
     EXPECT_GE(a.cut_length_mm, 0.99 * b.cut_length_mm);
 }
 
+/// A sharp edge that leans to both sides has no radius in the normal section; what it sweeps has one.
+TEST(LinKoren, LaysPassesOfToolsThatLeanToBothSides) {
+    const Face face = facing(torus(60, 20, -0.4, 0.8, 0.3), {1, 0, 0});
+    for (const machine::Tool& tool : {flat_tool(10), torus_tool(10, 2)}) {
+        SurfaceOptions theirs = fine();
+        theirs.strategy = Strategy::lin_koren;
+        theirs.lead_rad = 10 * degree;
+        theirs.tilt_rad = 5 * degree;
+        const Cutter cutter = Cutter::make(tool).value();
+        const auto plan = plan_surface(face, cutter, theirs);
+        ASSERT_TRUE(plan) << to_string(plan.error());
+        EXPECT_GT(plan->least_interval_mm, 0.3);
+        const auto verdict = check_surface(face, cutter, plan->passes, {.ridge_spacing_mm = 4});
+        EXPECT_LT(verdict.highest_mm, 0.01005);
+        EXPECT_GT(verdict.largest_ridge_mm, 0.004);
+    }
+}
+
 TEST(PlanSurface, LaysPassesOnAPlaneATheToolsDiameterApart) {
     const Face face = facing(plane(60, 44), {0, 0, 1});  // no place of the grid under a rim
     const Cutter flat = Cutter::make(flat_tool(10)).value();

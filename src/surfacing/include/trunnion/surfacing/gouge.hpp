@@ -72,7 +72,9 @@ struct GougeRemoval {
 /// the orientation nearest to its own one is looked for that is free and within the limits, in rings 1° apart of 24
 /// directions, refined to 0.1°; the surface is brought towards all of them (OrientationSurface::towards()), the passes
 /// are laid on it anew and looked at again, with more targets where they still gouge or where limits are exceeded,
-/// until none is left. Between targets the change is as smooth as the net of S₂ lets it be.
+/// until none is left. Where that ends after all rounds it is begun anew: orientations are then free all round by the
+/// clearance where there is that room, and targets share their leans, as with two ways out neighbours may have taken
+/// different ones. Between targets the change is as smooth as the net of S₂ lets it be.
 ///
 /// Errors: SURF0310 no orientation within the limits is free at a place: place and depth are told; SURF0311 not free
 /// after `most_rounds`; those of reoriented(), find_gouges(). Cost: two checks of all poses a round, and some 1-5 ms a

@@ -29,7 +29,9 @@ Eigen::Matrix2d parting(const Cutter& cutter, const geometry::SurfaceShape& at, 
 /// nᵀM⁻¹n; of upright flat and torus tools it is cut off by the rounded edge and the rim, which decide where a flat
 /// tool is fed obliquely to the rulings of a developable surface. What remains of the finite size of tilted tools is
 /// for whoever measures ridges. At most longest_interval_mm(). `by_normal_radius`: with the radius of the normal
-/// section instead, as Lin & Koren have it. Precondition: the tool fits (M positive semidefinite).
+/// section instead, as Lin & Koren have it; where a tool leans, which their rule does not, with what its end sweeps
+/// along the feed on a surface as curved all round as it is most, if that is the wider one. Never above the other.
+/// Precondition: the tool fits (M positive semidefinite).
 double path_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis,
                         const Eigen::Vector2d& across, double scallop_mm, bool by_normal_radius = false) noexcept;
 

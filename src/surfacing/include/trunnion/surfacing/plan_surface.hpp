@@ -92,9 +92,10 @@ struct SurfacePlan {
 /// value is its radius there, which a ball or corner radius must not exceed; SURF0204 the tool's body, away from its
 /// contact, cuts deeper than `gouge_tolerance_mm`; SURF0205 the face has no normal where passes begin or no pass
 /// crosses it; SURF0206 more than 20 000 passes, or ridges to be measured at more than
-/// 600 000 places, some minutes of work; SURF0208 passes wind up instead of crossing the face; SURF0209 a ridge
-/// stays more than a fifth above the scallop however close the passes are; SURF0210 passes do not get to a place of the
-/// face. Cost: some 10 µs a contact and 200 µs for each place of a pass, which are up to 2 mm apart.
+/// 600 000 places, as far as those passed tell that cover less of the face than is in proportion; SURF0208 passes wind
+/// up instead of crossing the face; SURF0209 a ridge stays above the scallop however close the passes are; SURF0210
+/// passes do not get to a place of the face; SURF0211 the face turns over: normals are opposite on both sides of a
+/// place. Cost: some 10 µs a contact and 200 µs for each place of a pass, which are up to 2 mm apart.
 Result<SurfacePlan> plan_surface(const Face& face, const Cutter& cutter, const SurfaceOptions& options);
 
 }  // namespace trunnion::surfacing
