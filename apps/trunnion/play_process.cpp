@@ -69,8 +69,7 @@ SharedPlans share_plans() {
     SharedPlans out;
     out.descriptor = memfd_create("trunnion-plans", 0);
     if (out.descriptor < 0 || ftruncate(out.descriptor, sizeof(trunnion_plans)) != 0) return out;
-    void* const memory =
-        mmap(nullptr, sizeof(trunnion_plans), PROT_READ | PROT_WRITE, MAP_SHARED, out.descriptor, 0);
+    void* const memory = mmap(nullptr, sizeof(trunnion_plans), PROT_READ | PROT_WRITE, MAP_SHARED, out.descriptor, 0);
     if (memory != MAP_FAILED) out.plans = static_cast<trunnion_plans*>(memory);
     return out;
 }

@@ -1,5 +1,7 @@
 #include "serve_server.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -10,8 +12,17 @@ namespace {
 
 using pipeline::LiveMotionStatus;
 
-constexpr std::uint64_t quiet_periods = 25;  // without an order: what came is all for now
-constexpr std::uint64_t lead_rows = 200;     // what planning may take
+// Without an order for so long: what came is all for now. At the least so many periods, as orders come one a period.
+constexpr double quiet_s = 0.025;
+constexpr std::uint64_t least_quiet = 25;
+// What planning may take, if it did not take longer the last time (PlanPublisher).
+constexpr double lead_s = 0.05;
+constexpr std::uint64_t least_lead = 20;
+constexpr double share_of_buffer = 0.7;  // that the way to a standstill may take
+
+std::uint64_t periods_of(double time_s, double period_s, std::uint64_t least) {
+    return std::max(least, static_cast<std::uint64_t>(std::ceil(time_s / period_s)));
+}
 constexpr auto between_beats = std::chrono::milliseconds(50);
 constexpr std::int64_t dead_after_s = 10;
 
@@ -37,11 +48,14 @@ struct OrderServer::Motion {
     pipeline::QueuedPose end;  // of what was ordered
     pipeline::QueueMotion motion;
     PlanPublisher publisher;
-    Motion(WorldPoses world, const pipeline::QueuedPose& begin, pipeline::QueueMotion queue, trunnion_plans& plans)
+    Motion(WorldPoses world, const pipeline::QueuedPose& begin, pipeline::QueueMotion queue, trunnion_plans& plans,
+           double period_s)
         : poses(std::move(world)),
           end(begin),
           motion(std::move(queue)),
-          publisher(motion, [this](const pipeline::LiveRow& row) { return poses.row_of(row); }, plans, lead_rows) {}
+          publisher(
+              motion, [this](const pipeline::LiveRow& row) { return poses.row_of(row); }, plans,
+              periods_of(lead_s, period_s, least_lead)) {}
 };
 
 OrderServer::OrderServer(trunnion_tp_memory& memory, const Workplace& workplace)
@@ -85,10 +99,12 @@ void OrderServer::begin(const trunnion_order& order) {
     pipeline::QueueOptions options;
     options.plan = workplace_.options;
     options.plan.period_s = memory_.orders.period_s;
+    options.longest_plan_s =
+        std::min(options.longest_plan_s, share_of_buffer * TRUNNION_PLAN_ROWS * memory_.orders.period_s);
     const pipeline::QueuedPose at = poses->pose_of(order.end);
     auto motion = pipeline::QueueMotion::make(workplace_.machine, order.tool_length, at, options);
     if (!motion) return refuse(to_string(motion.error()));
-    now_ = std::make_unique<Motion>(std::move(*poses), at, std::move(*motion), memory_.plans);
+    now_ = std::make_unique<Motion>(std::move(*poses), at, std::move(*motion), memory_.plans, memory_.orders.period_s);
     now_->publisher.begin_at_reader();
     __atomic_store_n(&memory_.orders.answered, epoch_, __ATOMIC_RELEASE);
 }
@@ -106,7 +122,7 @@ void OrderServer::pass_on_wishes() {
     const bool hold = orders.hold != 0;
     if (hold != held_) hold ? now_->motion.hold() : now_->motion.resume();
     held_ = hold;
-    if (!closed_ && orders.cycles - orders.last_order >= quiet_periods) {
+    if (!closed_ && orders.cycles - orders.last_order >= periods_of(quiet_s, orders.period_s, least_quiet)) {
         now_->motion.close();
         closed_ = true;
     }

@@ -235,6 +235,7 @@ Result<pipeline::SurfaceSummary> run(const SurfacePlanCommand& command) {
     if (!made) return fail(made.error());
     auto summary = summary_of(command, *work, *made);
     summary.part_file = part->file;
+    summary.diagnostics.insert(summary.diagnostics.end(), part->told.begin(), part->told.end());
     if (auto done = look_at(command, *work, *part, *made, summary); !done) return fail(done.error());
     if (summary.check && summary.check->verdict.left_mm2 > 0)
         summary.diagnostics.push_back({.code = "PIPE0122",

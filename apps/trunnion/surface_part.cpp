@@ -115,7 +115,7 @@ Result<SurfacePart> read_part(const SurfacePartText& text, const SurfaceText& su
     out.others = own ? others_of(*faces, work.faces) : std::move(*faces);
     if (own) return out;
     out.file = name.file;
-    told.insert(told.end(), list->diagnostics.begin(), list->diagnostics.end());
+    out.told = std::move(list->diagnostics);
     return out;
 }
 

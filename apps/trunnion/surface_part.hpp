@@ -25,6 +25,7 @@ struct SurfacePart {
     std::string file;  ///< of `others`; empty: that of the surface
     std::vector<surfacing::Face> others;
     surfacing::Holder holder;
+    std::vector<Diagnostic> told;  ///< by what read the file
 
     /// The faces that are machined first.
     std::vector<surfacing::Face> with(const std::vector<surfacing::Face>& machined) const;

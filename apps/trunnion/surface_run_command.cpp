@@ -105,6 +105,7 @@ Result<Scene> load_scene(const SurfaceRunCommand& command) {
     told.insert(told.end(), workplace->diagnostics.begin(), workplace->diagnostics.end());
     auto part = read_part(command.part, command.surface, *work);
     if (!part) return fail(part.error());
+    told.insert(told.end(), part->told.begin(), part->told.end());
     return Scene{std::move(*workplace), std::move(*work), std::move(*part), std::move(told)};
 }
 

@@ -104,8 +104,8 @@ void add_left(ReportLines& lines, const SurfaceSummary& s) {
                                       "the part",
                                       left.way_mm, left.passes_lost, left.deepest_mm));
     if (left.ridges_too_high > 0)
-        lines.add(
-            "", fmt::format("at {} places no distance of passes keeps the scallop, or none gets there", left.ridges_too_high));
+        lines.add("", fmt::format("at {} places no distance of passes keeps the scallop, or none gets there",
+                                  left.ridges_too_high));
     if (s.check) lines.add("", fmt::format("{:.2f} % of the area is left", 100 * left_share(s.check->verdict)));
 }
 

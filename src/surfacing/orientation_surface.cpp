@@ -171,18 +171,8 @@ detail::FaceBox spaced_box(const Face& face, const GuidingSurface& guiding, doub
     detail::FaceBox box = detail::face_box(face);
     const double u_middle = 0.5 * (box.u.breaks.front() + box.u.breaks.back());
     const double v_middle = 0.5 * (box.v.breaks.front() + box.v.breaks.back());
-    space(
-        box.u,
-        [&](double u) {
-            return guiding.at({u, v_middle});
-        },
-        spacing_mm);
-    space(
-        box.v,
-        [&](double v) {
-            return guiding.at({u_middle, v});
-        },
-        spacing_mm);
+    space(box.u, [&](double u) { return guiding.at({u, v_middle}); }, spacing_mm);
+    space(box.v, [&](double v) { return guiding.at({u_middle, v}); }, spacing_mm);
     return box;
 }
 

@@ -19,55 +19,6 @@ using Corners = std::array<Vector3d, 3>;
 
 namespace {
 
-/// The least distance of a convex body over a triangle, below `least` by more than is fine: the triangle is halved
-/// where the planes under the distance do not rule that out. At most 60 levels.
-struct Descent {
-    const ToolBody& body;
-    double tolerance, least;
-    bool any_will_do;
-    Vector3d at = Vector3d::Zero();
-
-    /// Differences below it are not followed up.
-    double fine() const { return std::max(0.1 * tolerance, -0.01 * least); }
-
-    bool over(const Corners& triangle) {
-        const double before = least;
-        std::array<Corners, 64> stack;  // not filled: that would cost more than most triangles do
-        stack[0] = triangle;
-        for (std::size_t depth = 1; depth > 0;) {
-            const Corners part = stack[--depth];
-            const Vector3d middle = (part[0] + part[1] + part[2]) / 3;
-            const Gap gap = body.gap(middle);
-            meet(middle, gap.distance);
-            int lowest = 0;
-            double bound = std::numeric_limits<double>::infinity();
-            for (int k = 0; k < 3; ++k)
-                if (const double b = gap.distance + gap.gradient.dot(part[k] - middle); b < bound)
-                    bound = b, lowest = k;
-            if (bound >= least - fine()) continue;
-            meet(part[lowest], body.gap(part[lowest]).distance);
-            if (any_will_do && least < before) return true;
-            if (bound >= least - fine() || depth + 2 > stack.size()) continue;
-            // Across the longest side: slivers as of a cylinder's skin become no thinner.
-            int side = 0;
-            for (int k = 1; k < 3; ++k)
-                if (squared_side(part, k) > squared_side(part, side)) side = k;
-            const int next = (side + 1) % 3;
-            const Vector3d half = 0.5 * (part[side] + part[next]);
-            stack[depth] = stack[depth + 1] = part;
-            stack[depth++][next] = half;
-            stack[depth++][side] = half;
-        }
-        return least < before;
-    }
-
-  private:
-    static double squared_side(const Corners& t, int k) { return (t[(k + 1) % 3] - t[k]).squaredNorm(); }
-    void meet(const Vector3d& point, double distance) {
-        if (distance < least) least = distance, at = point;
-    }
-};
-
 Vector3d normal_of(const Corners& t) {
     return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
 }
@@ -91,6 +42,63 @@ Vector3d nearest_on(const Corners& t, const Vector3d& p) {
     if (va <= 0 && d4 >= d3 && d5 >= d6) return t[1] + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (t[2] - t[1]);
     return t[0] + (vb * ab + vc * ac) / (va + vb + vc);
 }
+
+/// The least distance of a convex body over a triangle, below `least` by more than is fine. The plane under the
+/// distance at a place bounds it from below; over the place nearest to the body that plane says it all, and a few steps
+/// from place to body and back lead there. Where they do not the triangle is halved, at most 60 times.
+struct Descent {
+    const ToolBody& body;
+    double tolerance, least;
+    bool any_will_do;
+    Vector3d at = Vector3d::Zero();
+
+    /// Differences below it are not followed up.
+    double fine() const { return std::max(0.1 * tolerance, -0.01 * least); }
+
+    bool over(const Corners& triangle) {
+        const double before = least;
+        std::array<Corners, 64> stack;  // not filled: that would cost more than most triangles do
+        stack[0] = triangle;
+        for (std::size_t depth = 1; depth > 0;) {
+            const Corners part = stack[--depth];
+            const bool settled = is_settled(part);
+            if (any_will_do && least < before) return true;
+            if (settled || depth + 2 > stack.size()) continue;
+            // Across the longest side: slivers as of a cylinder's skin become no thinner.
+            int side = 0;
+            for (int k = 1; k < 3; ++k)
+                if (squared_side(part, k) > squared_side(part, side)) side = k;
+            const int next = (side + 1) % 3;
+            const Vector3d half = 0.5 * (part[side] + part[next]);
+            stack[depth] = stack[depth + 1] = part;
+            stack[depth++][next] = half;
+            stack[depth++][side] = half;
+        }
+        return least < before;
+    }
+
+  private:
+    /// Goes from place to body and back; whether nothing of the triangle is left that could be lower.
+    bool is_settled(const Corners& part) {
+        constexpr int steps = 4;
+        Vector3d place = (part[0] + part[1] + part[2]) / 3;
+        for (int step = 0; step < steps; ++step) {
+            const Gap gap = body.gap(place);
+            meet(place, gap.distance);
+            double bound = std::numeric_limits<double>::infinity();
+            for (const Vector3d& corner : part)
+                bound = std::min(bound, gap.distance + gap.gradient.dot(corner - place));
+            if (bound >= least - fine()) return true;
+            if (any_will_do && gap.distance <= least) return false;
+            place = nearest_on(part, body.within(place, gap));
+        }
+        return false;
+    }
+    static double squared_side(const Corners& t, int k) { return (t[(k + 1) % 3] - t[k]).squaredNorm(); }
+    void meet(const Vector3d& point, double distance) {
+        if (distance < least) least = distance, at = point;
+    }
+};
 
 /// Cuts needles across, as of a ruled surface, so that their boxes are not as long as the part: most queries would meet
 /// them all. Shorter than `length_mm` nothing is cut.

@@ -51,6 +51,12 @@ struct ToolBody {
         return {along - corner, sign * axis};
     }
 
+    /// A place within it: the nearest one of its core to a point outside that, else one on its axis. `there`: at the
+    /// point.
+    Eigen::Vector3d within(const Eigen::Vector3d& point, const Gap& there) const noexcept {
+        const double from_core = there.distance + corner;
+        return from_core > 0 ? Eigen::Vector3d(point - from_core * there.gradient) : ball_beside(point);
+    }
     double radius() const noexcept { return flat + corner; }
     /// The middle of the largest ball within the body that is nearest to a point's height.
     Eigen::Vector3d ball_beside(const Eigen::Vector3d& point) const noexcept {

@@ -165,9 +165,8 @@ TEST(Degenerate, TipsOfHollowConesAreRefused) {
 }
 
 TEST(Degenerate, LinesWhereParametersStandStillAreCrossed) {
-    const Degenerate one{"stalling", facing(stalling(12, 0.3), {0, 0, 1}), [](const Vector3d&) -> Vector3d {
-                             return {0, 0, 1};
-                         }};
+    const Degenerate one{"stalling", facing(stalling(12, 0.3), {0, 0, 1}),
+                         [](const Vector3d&) -> Vector3d { return {0, 0, 1}; }};
     const Cutter ball = Cutter::make(ball_tool(6)).value();
     const auto part = PartBody::make({&one.face, 1}, 0.002).value();
     for (const Strategy strategy : strategies) {

@@ -17,8 +17,8 @@ struct SurfaceTool {
     double radius_mm = 0, corner_mm = 0;
     double lead_rad = 0;  ///< axis leaning from the normal towards the feed
     double tilt_rad = 0;  ///< axis leaning towards normal × feed
-    /// In place of lead and tilt: an orientation surface S₂ over the surface's (u, v), which must outlive the curve. The
-    /// axis is the direction from S + r n to S₂.
+    /// In place of lead and tilt: an orientation surface S₂ over the surface's (u, v), which must outlive the curve.
+    /// The axis is the direction from S + r n to S₂.
     const geometry::BsplineSurface* orientation = nullptr;
 };
 
@@ -45,7 +45,8 @@ struct SurfaceSeries {
 /// axis is the direction of S₂(u, v) − (S + r n), and the tip follows in the same way.
 ///
 /// (u, v) is polynomial between the knots of its spline. Where both the spline and the surface are C⁴, and the
-/// orientation surface C³, the pose is C³; `rough_places` are the others. Immutable after make(); everything else is noexcept and allocates nothing.
+/// orientation surface C³, the pose is C³; `rough_places` are the others. Immutable after make(); everything else is
+/// noexcept and allocates nothing.
 class SurfaceCurve {
   public:
     /// `places`: u and v over w as first and second coordinate, the third is not looked at. The surface must outlive
@@ -81,8 +82,8 @@ class SurfaceCurve {
 
     /// Parameters at the ends and at the knots of (u, v) inside, ascending.
     std::vector<double> knots() const;
-    /// Where the curve crosses a knot of the surface at which that is not C⁴, or one of the orientation surface at which
-    /// that is not C³, ascending. A curve that runs along such a knot does not cross it.
+    /// Where the curve crosses a knot of the surface at which that is not C⁴, or one of the orientation surface at
+    /// which that is not C³, ascending. A curve that runs along such a knot does not cross it.
     std::vector<double> rough_places() const;
 
   private:

@@ -90,8 +90,8 @@ class OrientationSurface {
     double slack_rad() const noexcept { return 2 * options_.tolerance_mm / options_.height_mm; }
 
     /// From the wanted field as it was made, mm at the height: of constant lead and tilt proved for all of the face, by
-    /// Bernstein coefficients, to rounding; of a field given as a function the largest error of 5 × 5 places a patch and
-    /// twice what second differences between them let it rise in between, which is no proof.
+    /// Bernstein coefficients, to rounding; of a field given as a function the largest error of 5 × 5 places a patch
+    /// and twice what second differences between them let it rise in between, which is no proof.
     double error_bound_mm() const noexcept { return error_bound_; }
     std::size_t patches() const noexcept { return patches_; }
     /// |S₂ − S₁| lies between; certain, by Bernstein coefficients.
