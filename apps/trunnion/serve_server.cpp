@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -73,6 +74,7 @@ void OrderServer::refuse(const std::string& reason) {
 void OrderServer::work() {
     heartbeat_.here();
     take_orders();
+    if (failure_) refuse(*std::exchange(failure_, std::nullopt));
     if (!now_) return;
     pass_on_wishes();
     advance();
@@ -90,6 +92,7 @@ void OrderServer::take_orders() {
 /// From here on nothing of before is published any more.
 void OrderServer::begin(const trunnion_order& order) {
     now_.reset();
+    failure_.reset();
     epoch_ = order.epoch;
     scale_ = 1;
     held_ = closed_ = false;
@@ -132,7 +135,7 @@ void OrderServer::advance() {
     trunnion_orders& orders = memory_.orders;
     const auto advance = now_->publisher.advance();
     if (!advance) {
-        if (orders.written == orders.read) refuse(to_string(advance.error()));
+        failure_ = to_string(advance.error());
         now_.reset();
         return;
     }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -65,6 +66,7 @@ class OrderServer {
     std::uint32_t epoch_ = 0;
     double scale_ = 1;
     bool held_ = false, closed_ = false;
+    std::optional<std::string> failure_;  // of the motion under way; told if no other one is begun
     Heartbeat heartbeat_;
 };
 

@@ -64,7 +64,8 @@ Result<void> check_fit(const Job& job, const Station& station) {
 }
 
 bool is_unbearable(const Job& job, double highest) {
-    return highest > job.options.scallop_mm;
+    const bool levelled = job.options.strategy == Strategy::constant_scallop;
+    return highest > (levelled ? 1 + 0.5 * ridge_accuracy : 1.0) * job.options.scallop_mm;
 }
 
 Result<void> check_ridge(const Job& job, double highest, const Eigen::Vector3d& at) {

@@ -89,7 +89,7 @@ with tempfile.TemporaryDirectory() as name:
         sys.exit(said)
     run('surface', 'plan', folder / 'vast.toml', *rows, '--part', 'file', status=2, code='SURF0302')
     # Under a lid: less than half of the face left out is usable, more is not.
-    for wide, status in (6, 0), (20, 1):
+    for wide, status in (6, 0), (30, 1):
         (folder / 'lid.toml').write_text(flat + '[[surface]]\nside = "against"\ncoefficients_mm = [[[-10, -10, 6], [0, 60, 0]], '
                                                 f'[[{wide}, 0, 0], [0, 0, 0]]]\n')
         said = run('surface', 'plan', folder / 'lid.toml', *rows, '--part', 'file', '--leave-out', '--summary', summary, status=status)

@@ -61,7 +61,8 @@ double interval_factor(const Job& job, const Station& at, double ridge_mm, doubl
 /// SURF0203 where the tool does not fit into the surface at a station.
 Result<void> check_fit(const Job& job, const Station& station);
 
-/// Whether a ridge is beyond what was asked for, so that the plan cannot stand.
+/// Whether a ridge is beyond what was asked for, so that the plan cannot stand; one that is levelled place by place is
+/// held to the accuracy of that.
 bool is_unbearable(const Job& job, double highest_mm);
 
 /// SURF0209 where a ridge is beyond what was asked for although intervals were corrected.

@@ -66,19 +66,6 @@ Result<SurfacePlan> planned(const Face& face, double scallop_mm, Strategy strate
     return plan_surface(face, Cutter::make(ball_tool(6)).value(), options);
 }
 
-/// Two flat sheets that meet in a sharp edge at a share of the way along u, turned by some angle there; the part before
-/// it is short.
-Face roof(double share, double turn_deg) {
-    const geometry::SurfaceDirection once{1, {0, 0, share, 1, 1}};
-    const double turn = turn_deg * degree, length = 16 * share;
-    const Eigen::Vector3d before(-length * std::cos(turn), 0, -length * std::sin(turn)), after(16 - length, 0, 0);
-    const Eigen::Vector3d top(0, 0, 0), wide(0, 9, 0);
-    return facing(
-        geometry::BsplineSurface::make(once, line(), {before, before + wide, top, top + wide, after, after + wide})
-            .value(),
-        {0, 0, 1});
-}
-
 Result<SurfacePlan> planned_turned(const Face& face, double feed_deg) {
     SurfaceOptions options;
     options.scallop_mm = 0.05;

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "trunnion/base/quantity.hpp"
 #include "trunnion/machine/machine.hpp"
 #include "trunnion/surfacing/face.hpp"
 
@@ -90,6 +91,19 @@ inline machine::Tool ball_tool(double diameter) {
 }
 inline machine::Tool torus_tool(double diameter, double corner) {
     return {.kind = machine::ToolKind::torus, .diameter_mm = diameter, .corner_radius_mm = corner};
+}
+
+/// Two flat sheets that meet in a sharp edge at a share of the way along u, turned by some angle there; the part before
+/// it is short.
+inline Face roof(double share, double turn_deg) {
+    const geometry::SurfaceDirection once{1, {0, 0, share, 1, 1}};
+    const double turn = turn_deg * degree, length = 16 * share;
+    const Eigen::Vector3d before(-length * std::cos(turn), 0, -length * std::sin(turn)), after(16 - length, 0, 0);
+    const Eigen::Vector3d top(0, 0, 0), wide(0, 9, 0);
+    return facing(
+        geometry::BsplineSurface::make(once, line(), {before, before + wide, top, top + wide, after, after + wide})
+            .value(),
+        {0, 0, 1});
 }
 
 }  // namespace trunnion::surfacing::samples
