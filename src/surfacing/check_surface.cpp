@@ -130,7 +130,9 @@ class Check {
                 out = cut_.height_mm(shape->point + side * aside, shape->normal, options_.limit_mm);
         if (out > verdict_.highest_mm && !(out > options_.left_above_mm && left_.near(shape->point)))
             verdict_.highest_mm = out, verdict_.highest_at_mm = shape->point;
-        if (-out > verdict_.deepest_mm) verdict_.deepest_mm = -out, verdict_.deepest_at_mm = shape->point;
+        if (-out > verdict_.deepest_mm)
+            if (const double depth = std::min(-out, cut_.depth_mm(shape->point)); depth > verdict_.deepest_mm)
+                verdict_.deepest_mm = depth, verdict_.deepest_at_mm = shape->point;
         return out;
     }
 

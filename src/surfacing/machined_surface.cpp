@@ -210,4 +210,21 @@ double MachinedSurface::height_mm(const Eigen::Vector3d& point, const Eigen::Vec
     return least;
 }
 
+double MachinedSurface::depth_mm(const Eigen::Vector3d& point) const noexcept {
+    if (groups_.empty()) return 0;
+    double least = 0;
+    std::array<std::int32_t, 64> stack{0};
+    for (std::size_t depth = 1; depth > 0;) {
+        const Group& group = groups_[static_cast<std::size_t>(stack[--depth])];
+        if (least_distance(group, point) >= least) continue;
+        if (group.count == 0) {
+            stack[depth++] = group.first;
+            stack[depth++] = group.first + 1;
+        }
+        for (std::int32_t i = group.first; i < group.first + group.count; ++i)
+            least = std::min(least, nearest(moves_[static_cast<std::size_t>(i)], point).distance_mm);
+    }
+    return -least;
+}
+
 }  // namespace trunnion::surfacing

@@ -35,6 +35,16 @@ TEST(MachinedSurface, OfTwoRowsOfABallHasTheKnownRidge) {
     EXPECT_NEAR(cut.height_mm({33, 0, 0}, up, 2), 5 - std::sqrt(16.0), 1e-8);  // beyond the row's end
 }
 
+TEST(MachinedSurface, BesideAKnifeEdgeIsAsDeepAsTheToolIsInIt) {
+    // A plate of 1 um, cut from above and from below by 2 um: along its normal nothing is left.
+    const Vector3d up(0, 0, 1), down(0, 0, -1);
+    const MachinedSurface cut(Cutter::make(ball_tool(10)).value(), {{{{0, 0, -0.002}, up}, {{30, 0, -0.002}, up}},
+                                                                    {{{0, 0, 0.001}, down}, {{30, 0, 0.001}, down}}});
+    EXPECT_NEAR(cut.height_mm({15, 0, 0}, up, 1), -1, 1e-8);
+    EXPECT_NEAR(cut.depth_mm({15, 0, 0}), 0.002, 1e-9);
+    EXPECT_EQ(cut.depth_mm({15, 9, 0}), 0);
+}
+
 TEST(MachinedSurface, OfTiltingMovesIsThatOfManyPoses) {
     // A torus tool that leans more and more, against its poses taken one by one.
     const Cutter torus = Cutter::make(torus_tool(10, 2)).value();
