@@ -94,7 +94,7 @@ def programs(shared):
             ('sine-10k, 3-axis', without_rotary(sine)), ('one block at R 250', long_block)]
     impeller = shared / 'data' / 'nc' / 'linuxcnc' / 'impeller-7bl-xyzac.ngc'
     if impeller.exists():
-        out.append(('impeller, F x 20', 'G64 P0.01\n' + re.sub(r'F([\d.]+)', lambda f: f'F{20 * float(f[1]):g}', re.sub(r'M42[89].*', '', impeller.read_text()))))
+        out.append(('impeller, F x 20', 'G64 P0.01\n' + re.sub(r'F *([\d.]+)', lambda f: f'F{20 * float(f[1]):g}', re.sub(r'M42[89].*', '', impeller.read_text()))))
     return out
 
 
