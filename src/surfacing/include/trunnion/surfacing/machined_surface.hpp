@@ -27,8 +27,8 @@ class MachinedSurface {
     /// Exact to some 10 nm. No allocation. Cost: some µs.
     double height_mm(const Eigen::Vector3d& point_mm, const Eigen::Vector3d& direction, double limit_mm) const noexcept;
 
-    /// How far a point lies within the body at the most on any move, mm; 0 outside. Beside an edge as sharp as a knife a
-    /// line along the normal leaves the material again at once, and is cut from both sides: there this is the depth.
+    /// How far a point lies within the body at the most on any move, mm; 0 outside. Beside an edge as sharp as a knife
+    /// a line along the normal leaves the material again at once, and is cut from both sides: there this is the depth.
     /// No allocation. Cost: some µs.
     double depth_mm(const Eigen::Vector3d& point_mm) const noexcept;
 
