@@ -129,6 +129,7 @@ double Way::distance_mm(const Eigen::Vector3d& point) const noexcept {
 }
 
 Way Way::resampled(const geometry::BsplineSurface& surface, double spacing) const {
+    if (places_.size() < 2) return *this;
     const int steps = std::max(2, static_cast<int>(std::ceil(length() / spacing)));
     std::vector<SurfacePlace> out;
     const double step = length() / steps;

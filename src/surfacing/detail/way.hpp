@@ -33,7 +33,7 @@ class Way {
     double distance_mm(const Eigen::Vector3d& point) const noexcept;
 
     /// The same curve through places at equal distances of about `spacing`, and closer where the surface turns more
-    /// than 0.2 rad from one to the next, as round an edge that is sharper than the spacing.
+    /// than 0.2 rad from one to the next, as round an edge that is sharper than the spacing. One place stays one.
     Way resampled(const geometry::BsplineSurface& surface, double spacing) const;
 
   private:
