@@ -242,15 +242,26 @@ def run(folder, trunnion, machine, planner, program, seconds):
 
 # --- what came of it
 
+def first_cut(lines):
+    return next(k for k, line in enumerate(lines) if re.match(r'\s*(G93 )?\s*G1\b', line))
+
+
 def cut_of(rows, program_text):
     """Rows from the rest before the first cutting block to the last movement; the period is 1 ms."""
     joints, lines = rows[:, :5], rows[:, 5].astype(int)
-    text = program_text.splitlines()
-    first = next(k + 1 for k, line in enumerate(text) if re.match(r'\s*(G93 )?\s*G1\b', line))
+    first = first_cut(program_text.splitlines()) + 1
     moves = numpy.abs(numpy.diff(joints, axis=0)).max(1) > 1e-9
     moves[:numpy.argmax(lines >= first) + LAG] = False
     at = numpy.nonzero(moves)[0]
     return joints[max(at[0] - 3, 0):at[-1] + 5], (at[-1] - at[0] + 1) * 1e-3
+
+
+def from_cut_on(text):
+    """The program without the rapids before the one that leads to the first cutting block, where `cut_of` begins."""
+    lines = text.splitlines()
+    first = first_cut(lines)
+    rapids = [k for k in range(first) if re.match(r'\s*G0\b', lines[k])]
+    return '\n'.join(line for k, line in enumerate(lines) if k not in rapids[:-1]) + '\n'
 
 
 def judge(folder, trunnion, machine, program, cut):
@@ -262,8 +273,9 @@ def judge(folder, trunnion, machine, program, cut):
         for k, row in enumerate(rows):
             file.write(f'{k * 1e-3!r},' + ','.join(repr(float(x)) for x in row) + '\n')
     (folder / 'setup.toml').write_text(SETUP)
-    verdict = folder / 'verdict.json'
-    subprocess.run([trunnion, 'check', setpoints, '--against', program, '-m', machine, '--setup', folder / 'setup.toml', '--quiet',
+    verdict, checked = folder / 'verdict.json', folder / 'checked.ngc'
+    checked.write_text(from_cut_on(pathlib.Path(program).read_text()))
+    subprocess.run([trunnion, 'check', setpoints, '--against', checked, '-m', machine, '--setup', folder / 'setup.toml', '--quiet',
                     *TOLERANCE, '--summary', verdict], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return json.loads(verdict.read_text()) if verdict.exists() else {}
 
