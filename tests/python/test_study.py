@@ -149,9 +149,12 @@ def test_processes_give_the_same_table(cases, table):
         assert same(cases.run(pool), table)
 
 
-def test_a_pool_that_breaks_loses_no_row(cases, table):
+@pytest.mark.parametrize('broken_before', [False, True])
+def test_a_pool_that_breaks_loses_no_row(cases, table, broken_before):
     with concurrent.futures.ProcessPoolExecutor(1) as pool:
-        pool.submit(os.kill, pool.submit(os.getpid).result(), signal.SIGKILL)
+        killed = pool.submit(os.kill, pool.submit(os.getpid).result(), signal.SIGKILL)
+        if broken_before:
+            assert isinstance(killed.exception(), concurrent.futures.BrokenExecutor)
         broken = cases.run(pool)
     assert isinstance(broken.stopped, concurrent.futures.BrokenExecutor) and not broken.complete
     assert (broken['status'] != 'ok').all() or same(broken, table)

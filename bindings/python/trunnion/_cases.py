@@ -2,7 +2,7 @@
 import math
 import os
 import queue
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 
 import numpy as np
 
@@ -115,10 +115,13 @@ def run_batches(kept, batches, executor, threads, rows, progress):
     pool = None if executor is not None else ThreadPoolExecutor(threads)
     count = 0
     try:
-        for batch in batches:
-            futures.append((executor or pool).submit(predict_rows, kept, batch))
-            futures[-1].add_done_callback(done.put)
-        for _ in batches:
+        try:
+            for batch in batches:
+                futures.append((executor or pool).submit(predict_rows, kept, batch))
+                futures[-1].add_done_callback(done.put)
+        except BrokenExecutor as broken:
+            stopped = broken
+        for _ in futures:
             try:
                 answer = done.get().result()
             except Exception as lost:
