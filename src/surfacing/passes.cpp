@@ -96,7 +96,7 @@ double straight_error_mm(const Job& job, const Way& way, bool backwards, double 
         const CutterPose pose{(1 - w) * a->pose.tip_mm + w * b->pose.tip_mm, turn.at(w)};
         const Eigen::Vector3d off = pose.tip_mm + corner * pose.axis - at->pose.tip_mm - corner * at->pose.axis;
         const double sideways = slope * std::abs(off.dot(at->across));
-        largest = std::max(largest, std::abs(job.cutter.distance_mm(pose, at->shape.point)) + sideways);
+        largest = std::max(largest, std::abs(gap_nearby_mm(job.cutter, at->shape, pose)) + sideways);
     }
     return largest;
 }

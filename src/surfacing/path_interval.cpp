@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/LU>
+
 namespace trunnion::surfacing {
 
 namespace {
@@ -88,6 +90,19 @@ double round_interval_mm(double radius, double tool, double scallop) noexcept {
 
 Eigen::Matrix2d parting(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis) noexcept {
     return cutter.curvature(at, axis) + at.shape;
+}
+
+double gap_nearby_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const CutterPose& pose) noexcept {
+    const double beside = cutter.distance_mm(pose, at.point);
+    if (!cutter.is_ball() && Cutter::upright(at.normal, pose.axis)) return beside;
+    // touching() tells where the tip stands from the contact, and so the contact from the tip.
+    const Eigen::Vector3d off = pose.tip_mm - cutter.touching(at.point, at.normal, pose.axis).tip_mm;
+    const Eigen::Vector2d d = at.components(off);
+    if (!cutter.is_ball() && d.norm() > 0.5 * cutter.flat_radius_mm()) return beside;
+    const Eigen::Matrix2d matrix = parting(cutter, at, pose.axis);
+    if (!(matrix.determinant() > 0 && matrix.trace() > 0)) return beside;
+    const Eigen::Vector2d bent = at.shape * d;
+    return at.normal.dot(off) + 0.5 * (d.dot(bent) - bent.dot(matrix.inverse() * bent));
 }
 
 double path_interval_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis,

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "trunnion/geometry/great_circle.hpp"
+#include "trunnion/surfacing/path_interval.hpp"
 
 #include "detail/spline_fit.hpp"
 
@@ -58,7 +59,7 @@ class Division {
         auto there = contact_at(tool_, place, along);
         if (!there) return fail(std::move(there.error()));
         constexpr int deepest = 20;
-        if (straight(from, *there, along)) {
+        if (straight(from, *there)) {
             out_.push_back(*there);
             return {};
         }
@@ -76,12 +77,12 @@ class Division {
             .value = fmt::format("axis {:.3g} rad from the normal", geometry::angle_between(at.pose.axis, at.normal)),
             .hint = "keep the lead on one side of 0, or tilt the tool"};
     }
-    bool straight(const Contact& from, const Contact& to, const Vector3d& along) const {
+    bool straight(const Contact& from, const Contact& to) const {
         if ((to.point_mm - from.point_mm).norm() > options_.longest_step_mm) return false;
         for (const double w : {0.25, 0.5, 0.75}) {
-            const auto at = contact_at(tool_, between(from.place, to.place, w), along);
+            const auto at = geometry::shape_at(tool_.face.surface, between(from.place, to.place, w), tool_.face.side);
             if (!at) return true;
-            const double off = tool_.cutter.distance_mm(between(from.pose, to.pose, w), at->point_mm);
+            const double off = gap_nearby_mm(tool_.cutter, *at, between(from.pose, to.pose, w));
             if (std::abs(off) > options_.chord_tolerance_mm) return false;
         }
         return true;

@@ -74,4 +74,38 @@ TEST(PathInterval, TakesTheConjugateRadius) {
     EXPECT_NEAR(theirs * theirs / (8 * 110), 0.0033, 2e-5);
 }
 
+/// Least height of a tool over points of the surface round a place, along the normal there.
+double least_height_mm(const Cutter& cutter, const Face& face, const geometry::SurfaceShape& at,
+                       const CutterPose& pose) {
+    double least = infinite;
+    const Eigen::Vector2d by_a = at.parameters_along(at.e1), by_b = at.parameters_along(at.e2);
+    for (int i = -200; i <= 200; ++i)
+        for (int j = -200; j <= 200; ++j) {
+            const Eigen::Vector2d place = Eigen::Vector2d(0.5, 0.5) + 0.005 * (i * by_a + j * by_b);
+            const Eigen::Vector3d point = face.surface.at(place.x(), place.y());
+            least = std::min(least, cutter.height_mm(pose, point + 0.1 * at.normal, at.normal, 1) + 0.1);
+        }
+    return least;
+}
+
+TEST(GapNearby, IsThatOfTheSurfaceAllRound) {
+    const Face round = facing(torus(180, 20, -0.2, 0.4, 0.4), {1, 0, 0});
+    const Face hollow = facing(torus(180, 20, -0.2, 0.4, 0.4), {-1, 0, 0});
+    for (const Face& face : {round, hollow})
+        for (const machine::Tool& tool : {flat_tool(6), torus_tool(6, 1), ball_tool(6)}) {
+            const Cutter cutter = Cutter::make(tool).value();
+            const auto at = shape_at(face.surface, {0.5, 0.5}, face.side).value();
+            const auto leaning = [&](double a, double b) {
+                return Eigen::Vector3d(at.normal + std::tan(a) * at.e1 + std::tan(b) * at.e2).normalized();
+            };
+            const CutterPose touching = cutter.touching(at.point, at.normal, leaning(0.3, 0.1));
+            EXPECT_NEAR(gap_nearby_mm(cutter, at, touching), 0, 1e-12);
+            for (const double turn : {-0.02, 0.02}) {
+                const CutterPose turned{touching.tip_mm + 0.01 * at.e1, leaning(0.3, 0.1 + turn)};
+                const double gap = gap_nearby_mm(cutter, at, turned);
+                EXPECT_NEAR(gap, least_height_mm(cutter, face, at, turned), 3e-4) << cutter.corner_mm() << ' ' << turn;
+            }
+        }
+}
+
 }  // namespace

@@ -114,6 +114,19 @@ std::string tool_text(const Case& one) {
     return fmt::format("{} {} mm{}", kind, one.tool.diameter_mm, one.lead_deg > 0 ? ", lead 10°" : "");
 }
 
+TEST(StraightMoves, OfALeaningFlatToolDoNotCutIntoATwistedSurface) {
+    const Face face = facing(bicubic(10, [](double x, double y) { return 6 * x * x * (y - 0.5); }), {0, 0, 1});
+    SurfaceOptions options;
+    options.tilt_rad = 10 * degree;
+    options.feed_angle_rad = 20 * degree;
+    options.scallop_mm = 0.1;
+    options.strategy = Strategy::parallel_planes;
+    SurfacePlan plan;
+    const auto verdict = machined({"twisted", face, flat_tool(3), 10}, options, plan);
+    EXPECT_LT(verdict.deepest_mm, options.chord_tolerance_mm);
+    EXPECT_GT(verdict.deepest_mm, 0.5 * options.chord_tolerance_mm);
+}
+
 class NightlyFigures : public testing::TestWithParam<Strategy> {};
 
 /// Ridges of all surfaces with all tools, as a table; those of constant scallop as constant as promised.

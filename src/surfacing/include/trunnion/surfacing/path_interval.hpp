@@ -24,6 +24,14 @@ double round_interval_mm(double radius_mm, double tool_mm, double scallop_mm) no
 /// is ½ dᵀMd. Positive definite where the tool fits.
 Eigen::Matrix2d parting(const Cutter& cutter, const geometry::SurfaceShape& at, const Eigen::Vector3d& axis) noexcept;
 
+/// Least gap between a tool and the surface round a place, mm, negative where the tool is in it, along the normal
+/// there. The tool stands near to where it would touch that place: its point E with the same normal is h above it and d
+/// beside it, so the gap at x is h + ½ (x−d)ᵀK(x−d) + ½ xᵀWx, least h + ½ dᵀ(W − W M⁻¹ W)d. To second order in d; a
+/// turn of the axis by δ moves E by some δ/K, which is far for a leaning flat tool. An upright tool that is no ball,
+/// one whose E is half its flat radius away, and one that does not fit has no such point: then the place's own
+/// distance.
+double gap_nearby_mm(const Cutter& cutter, const geometry::SurfaceShape& at, const CutterPose& pose) noexcept;
+
 /// Interval of passes with feed ⟂ `across` (unit, tangent frame), mm, for ridges of height `scallop_mm`: twice the
 /// farthest reach across the feed of {d : gap(d) ≤ scallop}. With gap(d) = ½ dᵀMd that is the conjugate radius of M,
 /// nᵀM⁻¹n; of upright flat and torus tools it is cut off by the rounded edge and the rim, which decide where a flat
