@@ -2,7 +2,7 @@
 
 Surface → program → plan → check on a shipped machine, as straight moves, splines and rotary words; what the simulation says; what fails says so
 with its exit status."""
-import json, pathlib, subprocess, sys, tempfile
+import json, math, pathlib, subprocess, sys, tempfile
 
 trunnion, examples = sys.argv[1], pathlib.Path(sys.argv[2])
 
@@ -70,6 +70,28 @@ with tempfile.TemporaryDirectory() as name:
             and 5 < freed['largest_turn_deg'] < 15 and freed['passes_turned'] < found['passes'] / 2):
         sys.exit(said)
     plan_and_check(folder / 'pocket.mpf', '12_pocket_wall', 'trunnion-bc')
+    # The same asked for by the program that defines the faces; without its P1 the shank goes as deep as before.
+    place = ['-m', 'trunnion-bc', '--setup', examples / '12_pocket_wall/setup.toml']
+    program = (examples / '12_pocket_wall/pocket.ngc').read_text().replace('R0.05', 'R0.1')
+    into_wall = {}
+    for name, text in ('freed', program), ('plain', program.replace('P1 J40', '')):
+        (folder / f'{name}.ngc').write_text(text)
+        said = run('plan', folder / f'{name}.ngc', *place, '-o', folder / 'q.csv')
+        if ('PIPE0124' in said) != (name == 'freed') or 'PIPE0123' in said:
+            sys.exit(said)
+        run('check', folder / 'q.csv', '--against', folder / f'{name}.ngc', *place, '--quiet')
+        run('convert', folder / f'{name}.ngc', *place, '--to', 'apt', '-o', folder / f'{name}.cls', '--quiet')
+        nearest = 100  # of the axis to the wall, 30 mm up the tool
+        for line in (folder / f'{name}.cls').read_text().splitlines():
+            if line.startswith('GOTO/'):
+                words = [float(word) for word in line[5:].split(',')]
+                axis = words[3:] or axis
+                x, y, z = (words[i] + 30 * axis[i] for i in range(3))
+                if z < 40:
+                    nearest = min(nearest, math.hypot(x, max(0, y - 40, -y)))
+        into_wall[name] = 5 - nearest
+    if not (into_wall['freed'] < 0.05 and into_wall['plain'] > 3):
+        sys.exit(f'the shank goes into the wall by {into_wall} mm')
     # The wall as a part of its own; what is machined counts anyway.
     found, said = surface_plan('12_pocket_wall', 'pocket.toml', folder / 'alone.mpf', *wall, '--part', f'{examples}/12_pocket_wall/pocket.toml:2')
     if not found['usable'] or found['part']['faces'] != 2:
