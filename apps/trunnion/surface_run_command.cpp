@@ -83,7 +83,10 @@ Result<pipeline::SurfaceMotionSummary> run_planned(const SurfaceRunCommand& comm
     }
     auto moved = pipeline::move_surface(plan, work.faces, work.options, workplace.machine, workplace.setup,
                                         motion_options(command, workplace), observer);
-    if (moved) moved->freed = made->freed;
+    if (!moved) return moved;
+    moved->freed = made->freed;
+    const auto& told = plan.program.diagnostics;
+    moved->motion.diagnostics.insert(moved->motion.diagnostics.end(), told.begin(), told.end());
     return moved;
 }
 

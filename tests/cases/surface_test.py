@@ -110,6 +110,22 @@ with tempfile.TemporaryDirectory() as name:
     if 'PIPE0118' not in said or 'SURF0302' in said:
         sys.exit(said)
     run('surface', 'plan', folder / 'vast.toml', *rows, '--part', 'file', status=2, code='SURF0302')
+    # Ridges above the scallop that Lin and Koren's rule leaves, by every command that lays its passes.
+    (folder / 'triangle.toml').write_text('[[surface]]\ncontrol_points_mm = [[[0, 0, 0], [0, 0, 0]], [[11, -5.5, 0], [11, 5.5, 0]]]\n')
+    (folder / 'triangle.ngc').write_text('G21 G90 T1 M6\nG0 X20 Y0 Z90 B0 C0\nG320 P1 I1 J1 K2 L2\nX0 Y0 Z0\nX0 Y0 Z0\nX11 Y-5.5 Z0\n'
+                                         'X11 Y5.5 Z0\nG322\nG323 D.001\nG324 P1 R0.05 Q5 J10 F600\nM30\n')
+    (folder / 'torus.toml').write_text('[workpiece]\norigin = ["0 mm", "0 mm", "60 mm"]\n[tools.1]\nkind = "torus"\ndiameter = "5 mm"\n'
+                                       'corner_radius = "1 mm"\nlength = "90 mm"\n')
+    on_machine = ['-m', 'trunnion-bc', '--setup', folder / 'torus.toml']
+    triangle = [folder / 'triangle.toml', '--tool', '1', '--lead', '10deg', '--scallop', '50um']
+    for words in (['surface', 'plan', *triangle, '--strategy', 'lin-koren', '-o', folder / 'rows.mpf', *on_machine],
+                  ['surface', 'run', *triangle, '--strategy', 'lin-koren', '-o', folder / 'q.csv', *on_machine],
+                  ['plan', folder / 'triangle.ngc', '-o', folder / 'q.csv', *on_machine]):
+        said = run(*words)
+        if said.count('warning SURF0212') != 1:
+            sys.exit(f'{words}\n{said}')
+    if 'SURF0212' in run('surface', 'plan', *triangle, '--strategy', 'along-u', '-o', folder / 'rows.mpf', *on_machine):
+        sys.exit('the other strategies correct their ridges')
     # Under a lid: less than half of the face left out is usable, more is not.
     for wide, status in (6, 0), (30, 1):
         (folder / 'lid.toml').write_text(flat + '[[surface]]\nside = "against"\ncoefficients_mm = [[[-10, -10, 6], [0, 60, 0]], '

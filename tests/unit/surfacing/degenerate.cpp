@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <string>
@@ -162,6 +163,28 @@ TEST(Degenerate, TipsOfHollowConesAreRefused) {
     for (const Strategy strategy : strategies)
         for (const machine::Tool& tool : {ball_tool(6), torus_tool(6, 1)})
             EXPECT_EQ(code_of(hollow, tool, strategy), "SURF0203");
+}
+
+/// Lin and Koren's rule looks at curvatures, not at ridges: what is above the scallop is told, with its place.
+TEST(Degenerate, RidgesOfLinAndKorensRuleAreTold) {
+    const Degenerate one = tip_of_cone();
+    const auto told = [&](const machine::Tool& tool, double scallop_mm) {
+        const Cutter cutter = Cutter::make(tool).value();
+        SurfaceOptions options = options_of(Strategy::lin_koren, cutter);
+        options.scallop_mm = scallop_mm;
+        const auto plan = plan_surface(one.face, cutter, options).value();
+        EXPECT_EQ(plan.highest_ridge_mm > scallop_mm, !plan.program.diagnostics.empty());
+        return plan.program.diagnostics;
+    };
+    EXPECT_TRUE(told(ball_tool(5), 0.05).empty());
+    const auto leaning = told(torus_tool(5, 1), 0.05);
+    ASSERT_EQ(leaning.size(), 1u);
+    EXPECT_EQ(leaning[0].code, "SURF0212");
+    EXPECT_EQ(leaning[0].severity, Severity::warning);
+    EXPECT_EQ(leaning[0].limit, "0.05 mm");
+    double x = 0, y = 0, z = 0;
+    ASSERT_EQ(std::sscanf(leaning[0].text.c_str(), "%*[^(](%lf %lf %lf)", &x, &y, &z), 3) << leaning[0].text;
+    EXPECT_NEAR(std::hypot(x, y), -z * cone_radius / cone_height, 0.002) << "on the cone";
 }
 
 TEST(Degenerate, LinesWhereParametersStandStillAreCrossed) {
