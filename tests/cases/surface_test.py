@@ -126,6 +126,13 @@ with tempfile.TemporaryDirectory() as name:
             sys.exit(f'{words}\n{said}')
     if 'SURF0212' in run('surface', 'plan', *triangle, '--strategy', 'along-u', '-o', folder / 'rows.mpf', *on_machine):
         sys.exit('the other strategies correct their ridges')
+    # Loose faces that close a body, one of which looks into it: told by every command that reads them.
+    box = examples.parent / 'tests/unit/surfacing/faces/loose_box.iges'
+    over_box = ['--tool', 'ball 4mm', '--scallop', '200um', '--face', '1', '-o', folder / 'box.mpf']
+    for words in ['list', box], ['plan', box, *over_box], ['plan', folder / 'flat.toml', *rows, '--part', box]:
+        said = subprocess.run([trunnion, 'surface', *map(str, words)], capture_output=True, text=True).stderr
+        if said.count('warning SURF0110') != 1:
+            sys.exit(f'{words}\n{said}')
     # Under a lid: less than half of the face left out is usable, more is not.
     for wide, status in (6, 0), (30, 1):
         (folder / 'lid.toml').write_text(flat + '[[surface]]\nside = "against"\ncoefficients_mm = [[[-10, -10, 6], [0, 60, 0]], '

@@ -208,4 +208,23 @@ TEST(Degenerate, FacesWithoutNormalsWhereTheyBeginAreRefused) {
         EXPECT_EQ(code_of(facing(stalling(16, 0.5), {0, 0, 1}), ball_tool(6), strategy), "SURF0205");
 }
 
+/// An edge far thinner than ridges are high has next to no interval. A flank is no steeper than 45° all the same, so
+/// that steps along it are as long as what a move is off sideways asks for.
+TEST(Sharp, StepsAlongAnEdgeAreNotShortenedByItsIntervals) {
+    constexpr double ring = 30, edge = 0.002, turn = 0.5, chord_mm = 0.01, ball_mm = 5;
+    const Face face = facing(torus(ring, edge, 0.2, 1.0, turn), {1, 0, 0});
+    const Cutter ball = Cutter::make(ball_tool(2 * ball_mm)).value();
+    const SurfaceOptions options{.strategy = Strategy::along_v,
+                                 .scallop_mm = 0.2,
+                                 .chord_tolerance_mm = chord_mm,
+                                 .borders = false,
+                                 .longest_step_mm = 50};
+    const auto plan = plan_surface(face, ball, options);
+    ASSERT_TRUE(plan) << to_string(plan.error());
+    ASSERT_EQ(plan->passes.size(), 1u);
+    // Chords of the ring that the ball's middle goes round; what they are off counts up to 1.5 times.
+    const double longest_mm = std::sqrt(8 * chord_mm * (ring + ball_mm) / 1.5), way_mm = turn * (ring + ball_mm);
+    EXPECT_LT(static_cast<double>(plan->passes[0].contacts.size()), 1.3 * way_mm / longest_mm + 2);
+}
+
 }  // namespace
