@@ -246,4 +246,15 @@ void lead_links_clear(SurfacePlan& plan, const Cutter& cutter, const PartBody& p
     detail::write_program(plan, options, detail::links_where_free(plan.passes, search));
 }
 
+program::Program link_between(const Pass* before, const Pass* next, const SurfaceOptions& options,
+                              const PartBeside* part) {
+    detail::Link link;
+    if (part) {
+        const detail::LinkSearch search(part->cutter, part->body, options, part->leaving.tolerance_mm,
+                                        part->leaving.holder);
+        link = search.any_link(before, next).value_or(detail::Link{});
+    }
+    return detail::program_of_link(before, next, options, link);
+}
+
 }  // namespace trunnion::surfacing

@@ -84,4 +84,15 @@ void write_program(SurfacePlan& plan, const SurfaceOptions& options, std::span<c
     plan.program = std::move(written);
 }
 
+program::Program program_of_link(const Pass* before, const Pass* next, const SurfaceOptions& options,
+                                 const Link& link) {
+    ProgramWriter writer(options);
+    if (before) writer.stand(before->contacts.back().pose);
+    if (next)
+        writer.lead_to(*next, before, link);
+    else if (before)
+        writer.lead_away(*before, link);
+    return writer.finished();
+}
+
 }  // namespace trunnion::surfacing::detail

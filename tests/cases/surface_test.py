@@ -133,6 +133,16 @@ with tempfile.TemporaryDirectory() as name:
         said = subprocess.run([trunnion, 'surface', *map(str, words)], capture_output=True, text=True).stderr
         if said.count('warning SURF0110') != 1:
             sys.exit(f'{words}\n{said}')
+    # A fence between two floors: what is moved at once goes over it as what is planned does.
+    (folder / 'fence.toml').write_text(''.join(
+        f'[[surface]]\ncontrol_points_mm = [[[{x}, {y}, 0], [{x}, {y + b}, 0]], [[{x + a}, {y}, {c}], [{x + a}, {y + b}, {c}]]]\n'
+        for x, y, a, b, c in ((0, 0, 20, 20, 0), (40, 0, 20, 20, 0), (30, -10, 0, 40, 30))))
+    fence = [folder / 'fence.toml', '--tool', 'ball 10mm', '--scallop', '200um', '--retract', '5mm']
+    for machined in '1,2', '1':
+        run('surface', 'run', *fence, '-m', 'trunnion-bc', '--face', machined, *(['--ahead', '--strategy', 'lin-koren']
+            if machined == '1' else []), '-o', folder / 'q.csv', '--summary', summary, '--quiet')
+        if json.loads(summary.read_text())['surface']['part'] != {'faces': 3, 'in_part': None}:
+            sys.exit(summary.read_text())
     # Under a lid: less than half of the face left out is usable, more is not.
     for wide, status in (6, 0), (30, 1):
         (folder / 'lid.toml').write_text(flat + '[[surface]]\nside = "against"\ncoefficients_mm = [[[-10, -10, 6], [0, 60, 0]], '

@@ -24,4 +24,7 @@ bool is_beside(const Pass& before, const Pass& next, const SurfaceOptions& optio
 /// the options say. Diagnostics of the plan's program stay.
 void write_program(SurfacePlan& plan, const SurfaceOptions& options, std::span<const Link> links);
 
+/// The moves of one link, from the end of `before` down to the begin of `next`; either may be null.
+program::Program program_of_link(const Pass* before, const Pass* next, const SurfaceOptions& options, const Link& link);
+
 }  // namespace trunnion::surfacing::detail
