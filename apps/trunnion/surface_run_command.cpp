@@ -58,14 +58,16 @@ Result<pipeline::SurfaceResult> planned(const SurfaceRunCommand& command, const 
 
 /// Passes that are laid while others are moved know nothing of a program.
 Result<pipeline::SurfaceMotionSummary> run_ahead(const SurfaceRunCommand& command, const SurfaceWork& work,
-                                                 const Workplace& workplace, pipeline::PlanObserver& observer) {
+                                                 const SurfacePart& part, const Workplace& workplace,
+                                                 pipeline::PlanObserver& observer) {
     if (work.faces.size() != 1 || work.options.strategy != surfacing::Strategy::lin_koren ||
         !command.programmed.empty() || command.part.free_gouges)
         return fail({.code = "PIPE0134",
                      .text = "--ahead lays passes of one face by strategy lin-koren, without --programmed and "
                              "--free-gouges"});
     return pipeline::move_surface_ahead(work.faces.front(), work.cutter, work.options, workplace.machine,
-                                        workplace.setup, motion_options(command, workplace), observer);
+                                        workplace.setup, motion_options(command, workplace), observer, part.others,
+                                        part.holder);
 }
 
 Result<pipeline::SurfaceMotionSummary> run_planned(const SurfaceRunCommand& command, const SurfaceWork& work,
@@ -83,7 +85,10 @@ Result<pipeline::SurfaceMotionSummary> run_planned(const SurfaceRunCommand& comm
     }
     auto moved = pipeline::move_surface(plan, work.faces, work.options, workplace.machine, workplace.setup,
                                         motion_options(command, workplace), observer);
-    if (moved) moved->freed = made->freed;
+    if (!moved) return moved;
+    moved->freed = made->freed;
+    const auto& told = plan.program.diagnostics;
+    moved->motion.diagnostics.insert(moved->motion.diagnostics.end(), told.begin(), told.end());
     return moved;
 }
 
@@ -140,7 +145,7 @@ Result<pipeline::SurfaceMotionSummary> run(const SurfaceRunCommand& command) {
         });
     if (!files) return fail(files.error());
     pipeline::MotionInPart motion(*kinematics, work.cutter, part.holder, **files);
-    auto summary = command.ahead ? run_ahead(command, work, workplace, motion)
+    auto summary = command.ahead ? run_ahead(command, work, part, workplace, motion)
                                  : run_planned(command, work, part, workplace, motion);
     if (!summary) return summary;
     summary->motion.diagnostics.insert(summary->motion.diagnostics.begin(), told.begin(), told.end());

@@ -12,6 +12,7 @@
 
 namespace trunnion::nc {
 
+using program::Program;
 using program::Surface;
 using program::SurfaceJob;
 using program::SurfaceStrategy;
@@ -201,7 +202,7 @@ bool SurfaceWords::finish() {
 
 bool SurfaceWords::conditions(const Block& block, double unit_mm) {
     SurfaceJob& now = conditions_;
-    if (!only(block, "DHKLQR") || !length(block, 'D', unit_mm, now.chord_tolerance_mm) ||
+    if (!only(block, "DHJKLPQR") || !freeing(block, unit_mm) || !length(block, 'D', unit_mm, now.chord_tolerance_mm) ||
         !length(block, 'H', unit_mm, now.retract_mm) || !length(block, 'K', unit_mm, now.lift_mm) ||
         !choice(block, 'L', 1, 2, now.zigzag) || !choice(block, 'Q', 1, 0, now.borders))
         return false;
@@ -213,6 +214,16 @@ bool SurfaceWords::conditions(const Block& block, double unit_mm) {
     return (block['R'] >= 0 && std::isfinite(now.approach_mm_s)) ||
            refuse("NC0063", block.spot('R'), "the feed down to the surface is not negative",
                   fmt::format("R{}", block['R']), "R0: as F");
+}
+
+/// P: whether passes are freed of gouges; J: the tool's reach for that.
+bool SurfaceWords::freeing(const Block& block, double unit_mm) {
+    if (!choice(block, 'P', 1, 0, conditions_.free_of_gouges)) return false;
+    if (!block.has('J')) return true;
+    if (!conditions_.free_of_gouges)
+        return refuse("NC0063", block.spot('J'), "the tool's reach has no use where gouges are not freed",
+                      fmt::format("J{}", block['J']), "P1 frees passes of gouges");
+    return length(block, 'J', unit_mm, conditions_.reach_mm);
 }
 
 bool SurfaceWords::job(const Block& block, double unit_mm, const Eigen::Vector3d& shift_mm, program::Program& program,
@@ -241,6 +252,21 @@ bool SurfaceWords::job(const Block& block, double unit_mm, const Eigen::Vector3d
     if (!place(block, found->second, shift_mm, program)) return false;
     job.surface = found->second.index;
     ++jobs_;
+    return !job.free_of_gouges || place_others(block, *number, shift_mm, program, job);
+}
+
+/// The other surfaces that are defined so far: what the tool must not go into.
+bool SurfaceWords::place_others(const Block& block, int machined, const Eigen::Vector3d& shift_mm, Program& program,
+                                SurfaceJob& job) {
+    others_ += definitions_.size() - 1;
+    if (others_ > most_others)
+        return refuse("NC0054", word(block), "more surfaces to keep out of than are read, of all blocks together",
+                      fmt::format("{}", others_), fmt::format("at most {}", most_others));
+    for (auto& [number, definition] : definitions_) {
+        if (number == machined) continue;
+        if (!place(block, definition, shift_mm, program)) return false;
+        job.others.push_back(definition.index);
+    }
     return true;
 }
 

@@ -1,10 +1,16 @@
 #include <algorithm>
 #include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "trunnion/pipeline/surface_motion.hpp"
+#include "trunnion/surfacing/leave_out.hpp"
+#include "trunnion/surfacing/part_body.hpp"
 
+#include "detail/part_looks.hpp"
 #include "detail/surface_motion_layer.hpp"
 #include "detail/surface_motion_mover.hpp"
 
@@ -47,68 +53,69 @@ bool is_whole(const surfacing::Face& face) {
            box.high.x() == u.end() && box.low.y() == v.begin() && box.high.y() == v.end();
 }
 
-machine::Pose raised(const machine::Pose& pose, double height_mm) {
-    return {pose.tip_in_workpiece_mm + height_mm * pose.axis_in_workpiece, pose.axis_in_workpiece};
+/// An end of a pass, as links know passes.
+surfacing::Pass end_of(const machine::Pose& pose, int index) {
+    return {.contacts = {{.pose = {pose.tip_in_workpiece_mm, pose.axis_in_workpiece}}}, .index = index};
 }
 
-/// Moves from one pass to the next and along it.
-class LinkWriter {
-  public:
-    explicit LinkWriter(const surfacing::SurfaceOptions& options) : options_(options) {}
+/// The pass as moves, for the choice of rotary stands.
+void add_moves_along(const SurfaceCurve& curve, double feed_mm_s, Program& program) {
+    constexpr int chords = 60;
+    for (int k = 1; k <= chords; ++k) {
+        const machine::Pose to = curve.pose(curve.contact(curve.begin() + (curve.end() - curve.begin()) * k / chords));
+        program.moves.push_back({.position_mm = to.tip_in_workpiece_mm,
+                                 .axis = to.axis_in_workpiece,
+                                 .feed = {program::FeedRule::tip_speed, feed_mm_s},
+                                 .kind = program::MoveKind::feed});
+    }
+}
 
-    /// From where a pass ended, if there was one, down to where the next begins: the last move of the program.
-    Program link(const std::optional<machine::Pose>& from, const machine::Pose& to) {
-        if (from) start_at(*from);
-        if (from && options_.zigzag) {
-            feed(raised(*from, options_.lift_mm), options_.feed_mm_s);
-            feed(raised(to, options_.lift_mm), options_.feed_mm_s);
-        } else {
-            if (from) rapid(raised(*from, options_.retract_mm));
-            rapid(raised(to, options_.retract_mm));
-            rapid(raised(to, options_.lift_mm));
-        }
-        feed(to, options_.approach_mm_s);
-        return std::move(program_);
+/// What links keep clear of. Without anything beside the face the body waits until the first pass is planned: the way
+/// down to that is one along the tool axis, and the first setpoints are there sooner.
+class PartAhead {
+  public:
+    PartAhead(const surfacing::Face& face, std::span<const surfacing::Face> others, const surfacing::Holder& holder,
+              const surfacing::Cutter& cutter, double gouge_tolerance_mm)
+        : part_{face}, cutter_(cutter), holder_(holder), gouge_tolerance_mm_(gouge_tolerance_mm) {
+        part_.insert(part_.end(), others.begin(), others.end());
     }
-    Program last(const machine::Pose& from) {
-        start_at(from);
-        rapid(raised(from, options_.retract_mm));
-        return std::move(program_);
-    }
-    static void along(const SurfaceCurve& curve, double feed_mm_s, Program& program) {
-        constexpr int chords = 60;
-        for (int k = 1; k <= chords; ++k) {
-            const auto at = curve.contact(curve.begin() + (curve.end() - curve.begin()) * k / chords);
-            program.moves.push_back(move(curve.pose(at), program::MoveKind::feed, feed_mm_s));
-        }
+
+    /// Null: links go as the options say, as of a part that is too fine to be looked at.
+    const surfacing::PartBeside* beside(bool first_link) {
+        if (first_link && part_.size() == 1 && holder_.radius_mm == 0) return nullptr;
+        if (!tried_) make();
+        return beside_ ? &*beside_ : nullptr;
     }
 
   private:
-    static program::Move move(const machine::Pose& to, program::MoveKind kind, double feed_mm_s) {
-        program::Move out{.position_mm = to.tip_in_workpiece_mm, .axis = to.axis_in_workpiece, .kind = kind};
-        if (kind == program::MoveKind::feed) out.feed = {program::FeedRule::tip_speed, feed_mm_s};
-        return out;
+    void make() {
+        tried_ = true;
+        auto body = surfacing::PartBody::make(part_, part_tolerance_mm(gouge_tolerance_mm_));
+        if (!body) return;
+        body_ = std::move(*body);
+        beside_.emplace(surfacing::PartBeside{
+            cutter_, *body_, {.tolerance_mm = passing_depth_mm(gouge_tolerance_mm_), .holder = holder_}});
     }
-    void feed(const machine::Pose& to, double mm_s) {
-        program_.moves.push_back(move(to, program::MoveKind::feed, mm_s));
-    }
-    void rapid(const machine::Pose& to) { program_.moves.push_back(move(to, program::MoveKind::rapid, 0)); }
-    /// moves[0] is where motion starts, not a motion.
-    void start_at(const machine::Pose& pose) { rapid(pose); }
 
-    const surfacing::SurfaceOptions& options_;
-    Program program_{.name = "surface", .dialect = "apt"};
+    std::vector<surfacing::Face> part_;
+    const surfacing::Cutter& cutter_;
+    surfacing::Holder holder_;
+    double gouge_tolerance_mm_;
+    bool tried_ = false;
+    std::optional<surfacing::PartBody> body_;
+    std::optional<surfacing::PartBeside> beside_;
 };
 
 /// Lays and plans pass after pass.
 class AheadPlanner {
   public:
     AheadPlanner(const surfacing::Face& face, const surfacing::Cutter& cutter, const surfacing::SurfaceOptions& surface,
-                 const machine::Machine& machine, const machine::Setup& setup, double tolerance_mm,
+                 PartAhead& part, const machine::Machine& machine, const machine::Setup& setup, double tolerance_mm,
                  SurfaceMotionPlanner& planner)
         : face_(face),
           cutter_(cutter),
           surface_(surface),
+          part_(part),
           machine_(machine),
           setup_(setup),
           tolerance_mm_(tolerance_mm),
@@ -121,23 +128,24 @@ class AheadPlanner {
                                backwards ? -surface_.tilt_rad : surface_.tilt_rad};
         const auto curve = curve_of(face_, places, tool, tolerance_mm_);
         if (!curve) return fail(curve.error());
-        Program program = LinkWriter(surface_).link(end_, curve->pose(curve->contact(curve->begin())));
+        const surfacing::Pass next = end_of(curve->pose(curve->contact(curve->begin())), count_);
+        Program program =
+            surfacing::link_between(before_ ? &*before_ : nullptr, &next, surface_, part_.beside(!before_));
         const std::size_t links = program.moves.size();
-        LinkWriter::along(*curve, surface_.feed_mm_s, program);
+        add_moves_along(*curve, surface_.feed_mm_s, program);
         const auto stands = surface_stands(program, machine_, setup_, planner_.standing());
         if (!stands) return fail(stands.error());
         program.moves.resize(links);
         const auto linked =
             planner_.link(program, {stands->begin(), stands->begin() + static_cast<std::ptrdiff_t>(links)});
         if (!linked) return linked;
+        before_ = end_of(curve->pose(curve->contact(curve->end())), count_);
         const auto line = static_cast<std::int32_t>(++count_);
-        if (auto planned = planner_.pass(*curve, surface_.feed_mm_s, line, {}); !planned) return planned;
-        end_ = curve->pose(curve->contact(curve->end()));
-        return {};
+        return planner_.pass(*curve, surface_.feed_mm_s, line, {});
     }
 
     Result<void> finish() {
-        const Program program = LinkWriter(surface_).last(*end_);
+        const Program program = surfacing::link_between(&*before_, nullptr, surface_, part_.beside(false));
         auto stands = surface_stands(program, machine_, setup_, planner_.standing());
         return stands ? planner_.link(program, std::move(*stands)) : fail(stands.error());
     }
@@ -146,11 +154,12 @@ class AheadPlanner {
     const surfacing::Face& face_;
     const surfacing::Cutter& cutter_;
     const surfacing::SurfaceOptions& surface_;
+    PartAhead& part_;
     const machine::Machine& machine_;
     const machine::Setup& setup_;
     double tolerance_mm_;
     SurfaceMotionPlanner& planner_;
-    std::optional<machine::Pose> end_;
+    std::optional<surfacing::Pass> before_;
     int count_ = 0;
 };
 
@@ -171,7 +180,9 @@ Result<void> plan_all(SurfacePassLayer& layer, AheadPlanner& ahead, SurfaceMotio
 Result<SurfaceMotionSummary> move_surface_ahead(const surfacing::Face& face, const surfacing::Cutter& cutter,
                                                 const surfacing::SurfaceOptions& surface,
                                                 const machine::Machine& machine, const machine::Setup& setup,
-                                                const SurfaceMotionOptions& options, PlanObserver& observer) {
+                                                const SurfaceMotionOptions& options, PlanObserver& observer,
+                                                std::span<const surfacing::Face> others,
+                                                const surfacing::Holder& holder) {
     if (auto sound = check_motion_options(options); !sound) return fail(sound.error());
     if (auto sound = check_surface_options(surface, cutter); !sound) return fail(sound.error());
     if (!is_whole(face))
@@ -185,7 +196,8 @@ Result<SurfaceMotionSummary> move_surface_ahead(const surfacing::Face& face, con
     const auto plan = [&](const SurfaceMotionPlanner::Sink& sink) {
         SurfaceMotionPlanner planner(machine, setup, *kinematics, early, sink);
         SurfacePassLayer layer(face, cutter, surface);
-        AheadPlanner ahead(face, cutter, surface, machine, setup, options.place_tolerance_mm, planner);
+        PartAhead part(face, others, holder, cutter, surface.gouge_tolerance_mm);
+        AheadPlanner ahead(face, cutter, surface, part, machine, setup, options.place_tolerance_mm, planner);
         return plan_all(layer, ahead, planner);
     };
     SurfaceMover mover(machine, setup, options, observer);

@@ -114,7 +114,7 @@ class Freeing {
             if (link.height_mm > 0) ++out_.links_raised;
             out_.highest_link_mm = std::max(out_.highest_link_mm, link.height_mm);
         }
-        out_.plan.program = detail::program_of(passes(), options_, *links);
+        detail::write_program(out_.plan, options_, *links);
         return std::move(out_);
     }
 

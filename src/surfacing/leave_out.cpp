@@ -236,14 +236,25 @@ Result<ReachedPlan> leave_out_gouges(SurfacePlan plan, std::span<const Face> fac
                      .hint = "a smaller or longer tool, another lead or tilt, or --side other"});
     out.plan.passes = std::move(chain.passes());
     out.plan.cut_length_mm -= out.left_way_mm;
-    out.plan.program = detail::program_of(out.plan.passes, options, chain.links());
+    detail::write_program(out.plan, options, chain.links());
     return out;
 }
 
 void lead_links_clear(SurfacePlan& plan, const Cutter& cutter, const PartBody& part, const SurfaceOptions& options,
                       const LeavingOptions& leaving) {
     const detail::LinkSearch search(cutter, part, options, leaving.tolerance_mm, leaving.holder);
-    plan.program = detail::program_of(plan.passes, options, detail::links_where_free(plan.passes, search));
+    detail::write_program(plan, options, detail::links_where_free(plan.passes, search));
+}
+
+program::Program link_between(const Pass* before, const Pass* next, const SurfaceOptions& options,
+                              const PartBeside* part) {
+    detail::Link link;
+    if (part) {
+        const detail::LinkSearch search(part->cutter, part->body, options, part->leaving.tolerance_mm,
+                                        part->leaving.holder);
+        link = search.any_link(before, next).value_or(detail::Link{});
+    }
+    return detail::program_of_link(before, next, options, link);
 }
 
 }  // namespace trunnion::surfacing

@@ -15,6 +15,7 @@
 #include "trunnion/surfacing/plan_region.hpp"
 
 #include "detail/join_passes.hpp"
+#include "detail/node.hpp"
 #include "detail/passes.hpp"
 #include "detail/plane_sections.hpp"
 #include "detail/sweep.hpp"
@@ -95,6 +96,23 @@ class RegionPlanner {
         plan_.highest_ridge_mm = std::max(plan_.highest_ridge_mm, highest_ridge);
     }
 
+    /// Lin and Koren's rule lays passes without looking at their ridges: the highest one above the scallop is told.
+    void tell_ridge(std::size_t face, const detail::Sweep& sweep) {
+        const double ridge_mm = sweep.highest_ridge_mm;
+        if (options_.strategy != Strategy::lin_koren || !detail::is_unbearable(jobs_[face], ridge_mm)) return;
+        if (ridge_mm < plan_.highest_ridge_mm) return;
+        const Eigen::Vector3d& at = sweep.highest_ridge_at_mm;
+        plan_.program.diagnostics = {
+            {.code = "SURF0212",
+             .severity = Severity::warning,
+             .text =
+                 fmt::format("Lin and Koren's rule leaves higher ridges than asked for, near ({:.3f} {:.3f} {:.3f})",
+                             at.x(), at.y(), at.z()),
+             .value = fmt::format("{:.4g} mm", ridge_mm),
+             .limit = fmt::format("{:.4g} mm", options_.scallop_mm),
+             .hint = "along-u keeps the scallop with passes as even"}};
+    }
+
     std::unexpected<Diagnostic> refused(std::size_t face, Diagnostic refusal) const {
         if (faces_.size() > 1) refusal.text = fmt::format("face {}: {}", faces_[face].number, refusal.text);
         return fail(std::move(refusal));
@@ -116,6 +134,7 @@ class RegionPlanner {
             auto ways = detail::sweep(jobs_[k]);
             if (!ways) return refused(k, std::move(ways.error()));
             account(ways->least_interval_mm, ways->largest_interval_mm, ways->highest_ridge_mm);
+            tell_ridge(k, *ways);
             for (LeftPlace place : ways->too_high) {
                 place.face = static_cast<int>(k);
                 plan_.left.push_back(place);

@@ -11,7 +11,12 @@ class ProgramWriter {
         program_.dialect = "apt";
     }
 
+    void stand(const CutterPose& at) { rapid(at); }
     void pass(const Pass& pass, const Pass* before, const Link& to) {
+        lead_to(pass, before, to);
+        for (std::size_t i = 1; i < pass.contacts.size(); ++i) move(pass.contacts[i].pose, options_.feed_mm_s);
+    }
+    void lead_to(const Pass& pass, const Pass* before, const Link& to) {
         const CutterPose& first = pass.contacts.front().pose;
         if (!to.round.empty())
             approach_round(to, first);
@@ -20,13 +25,10 @@ class ProgramWriter {
         else
             approach(before, first, height_of(to));
         move(raised(first, 0), options_.approach_mm_s);
-        for (std::size_t i = 1; i < pass.contacts.size(); ++i) move(pass.contacts[i].pose, options_.feed_mm_s);
     }
+    void lead_away(const Pass& last, const Link& up) { rapid(raised(last.contacts.back().pose, height_of(up))); }
 
-    program::Program finished(const Pass& last, const Link& up) {
-        rapid(raised(last.contacts.back().pose, height_of(up)));
-        return std::move(program_);
-    }
+    program::Program finished() { return std::move(program_); }
 
   private:
     double height_of(const Link& link) const { return link.height_mm > 0 ? link.height_mm : options_.retract_mm; }
@@ -67,16 +69,30 @@ bool is_beside(const Pass& before, const Pass& next, const SurfaceOptions& optio
     return options.zigzag && before.index >= 0 && next.index - before.index == 1;
 }
 
-program::Program program_of(const std::vector<Pass>& passes, const SurfaceOptions& options,
-                            std::span<const Link> links) {
+void write_program(SurfacePlan& plan, const SurfaceOptions& options, std::span<const Link> links) {
     ProgramWriter writer(options);
     const auto link = [&](std::size_t k) { return k < links.size() ? links[k] : Link{}; };
     const Pass* before = nullptr;
+    const std::vector<Pass>& passes = plan.passes;
     for (std::size_t k = 0; k < passes.size(); ++k) {
         writer.pass(passes[k], before, link(k));
         before = &passes[k];
     }
-    return writer.finished(passes.back(), link(passes.size()));
+    writer.lead_away(passes.back(), link(passes.size()));
+    program::Program written = writer.finished();
+    written.diagnostics = std::move(plan.program.diagnostics);
+    plan.program = std::move(written);
+}
+
+program::Program program_of_link(const Pass* before, const Pass* next, const SurfaceOptions& options,
+                                 const Link& link) {
+    ProgramWriter writer(options);
+    if (before) writer.stand(before->contacts.back().pose);
+    if (next)
+        writer.lead_to(*next, before, link);
+    else if (before)
+        writer.lead_away(*before, link);
+    return writer.finished();
 }
 
 }  // namespace trunnion::surfacing::detail

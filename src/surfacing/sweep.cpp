@@ -225,7 +225,7 @@ class Sweeper {
         else if (corrects)
             if (auto kept = check_ridge(job_, ridges.highest, ridges.highest_at); !kept)
                 return fail(std::move(kept.error()));
-        account(way, nodes, (*found)->step, ridges.highest);
+        account(way, nodes, (*found)->step, ridges);
         parameter_ = next_parameter_;
         return std::move((*found)->way);
     }
@@ -323,8 +323,11 @@ class Sweeper {
         return uniform_step(nodes);
     }
 
-    void account(const Way& way, const std::vector<Node>& nodes, double step, double highest) const {
-        out_.highest_ridge_mm = std::max(out_.highest_ridge_mm, highest);
+    void account(const Way& way, const std::vector<Node>& nodes, double step, const Ridges& ridges) const {
+        if (ridges.highest > out_.highest_ridge_mm) {
+            out_.highest_ridge_mm = ridges.highest;
+            out_.highest_ridge_at_mm = ridges.highest_at;
+        }
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Node& node = nodes[i];
             if (!node.station || !is_in_box(node.station->place)) continue;

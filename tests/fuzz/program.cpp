@@ -70,6 +70,10 @@ void expect_sound(const program::SurfaceJob& job, const program::Program& progra
         expect(length > 0 && std::isfinite(length), "lengths of surfaces are positive");
     for (const double speed : {job.feed_mm_s, job.approach_mm_s})
         expect(speed >= 0 && std::isfinite(speed), "feeds of surfaces are finite");
+    expect(job.reach_mm >= 0 && std::isfinite(job.reach_mm), "the reach of tools is finite");
+    for (const std::int32_t other : job.others)
+        expect(other >= 0 && std::size_t(other) < program.surfaces.size() && other != job.surface,
+               "surfaces to keep out of are known, and others");
 }
 
 void expect_sound(const program::Program& program) {

@@ -22,6 +22,8 @@ class SurfaceWords {
   public:
     static constexpr std::size_t most_points = 250'000;  ///< control points of all surfaces of a program together
     static constexpr std::size_t most_jobs = 10'000;     ///< machining blocks of a program
+    static constexpr std::size_t most_others =
+        1'000'000;  ///< surfaces that are kept out of, of all these blocks together
     static constexpr std::string_view machining_letters = "PRQIJKL";
 
     explicit SurfaceWords(Findings& findings) : findings_(findings) {}
@@ -73,9 +75,12 @@ class SurfaceWords {
     bool knot(const Block& block, char letter, std::size_t most, std::vector<double>& knots);
     bool complete(const Block& block);
     bool length(const Block& block, char letter, double unit_mm, double& length_mm);
+    bool freeing(const Block& block, double unit_mm);
     bool choice(const Block& block, char letter, int first, int second, bool& is_first);
     bool angle(const Block& block, char letter, double most_deg, double& angle_rad);
     bool strategy(const Block& block, program::SurfaceJob& job);
+    bool place_others(const Block& block, int machined, const Eigen::Vector3d& shift_mm, program::Program& program,
+                      program::SurfaceJob& job);
     bool place(const Block& block, Definition& definition, const Eigen::Vector3d& shift_mm, program::Program& program);
     bool refuse(std::string_view code, Spot spot, std::string text, std::string_view value = {},
                 std::string_view hint = {}) {
@@ -86,7 +91,7 @@ class SurfaceWords {
     Findings& findings_;
     std::optional<Open> open_;
     std::map<int, Definition> definitions_;
-    std::size_t points_ = 0, jobs_ = 0;
+    std::size_t points_ = 0, jobs_ = 0, others_ = 0;
     program::SurfaceJob conditions_;  ///< what G323 says
 };
 

@@ -19,10 +19,12 @@ struct Link {
 /// Whether the way from one pass to another is a short one, over the lift height.
 bool is_beside(const Pass& before, const Pass& next, const SurfaceOptions& options);
 
-/// The passes as a program: from the retract height down to each pass and up again, over the lift height between the
-/// ends of passes beside each other. `links`: the way to each pass, and up from the last one; empty: all as the options
-/// say.
-program::Program program_of(const std::vector<Pass>& passes, const SurfaceOptions& options,
-                            std::span<const Link> links = {});
+/// Makes a program of a plan's passes: from the retract height down to each pass and up again, over the lift height
+/// between the ends of passes beside each other. `links`: the way to each pass, and up from the last one; empty: all as
+/// the options say. Diagnostics of the plan's program stay.
+void write_program(SurfacePlan& plan, const SurfaceOptions& options, std::span<const Link> links);
+
+/// The moves of one link, from the end of `before` down to the begin of `next`; either may be null.
+program::Program program_of_link(const Pass* before, const Pass* next, const SurfaceOptions& options, const Link& link);
 
 }  // namespace trunnion::surfacing::detail

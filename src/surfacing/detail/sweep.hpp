@@ -17,6 +17,7 @@ struct SweepWay {
 struct Sweep {
     std::vector<SweepWay> ways;  ///< by index
     double least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;
+    Eigen::Vector3d highest_ridge_at_mm{0, 0, 0};
     std::vector<LeftPlace> too_high;  ///< with leave_out: places of ridges that nothing lowers
     std::size_t work = 0;             ///< places at which ridges were measured
     double covered_mm2 = 0;           ///< between ways, over the face's box

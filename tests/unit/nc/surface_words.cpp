@@ -238,6 +238,38 @@ TEST(SurfaceWords, PartsHaveTheirSurfaces) {
     EXPECT_EQ(whole, parts.joined) << "moves and events are those of the whole program";
 }
 
+TEST(SurfaceWords, FreedOfGougesAgainstAllSurfacesDefinedBefore) {
+    const auto p = read_surfaces(flat(1) + flat(2) + "F500\nG324 P1 R.01\nG323 P1 J40\nG324 P1 R.01\n" + flat(3) +
+                                 "G324 P2 R.01\nG52 X5\nG324 P1 R.01\nG323 P0\nG324 P1 R.01\nG323 P1\nG324 P1 R.01\n");
+    ASSERT_TRUE(p) << said(p);
+    const auto& jobs = p->surface_jobs;
+    ASSERT_EQ(jobs.size(), 6u);
+    EXPECT_FALSE(jobs[0].free_of_gouges);
+    EXPECT_TRUE(jobs[0].others.empty());
+    EXPECT_TRUE(jobs[1].free_of_gouges);
+    EXPECT_DOUBLE_EQ(jobs[1].reach_mm, 40);
+    EXPECT_EQ(jobs[1].others.size(), 1u) << "the third one is not defined yet";
+    EXPECT_EQ(jobs[2].others.size(), 2u);
+    EXPECT_EQ(jobs[2].others[0], jobs[1].surface) << "those in the program are there once";
+    EXPECT_EQ(jobs[2].surface, jobs[1].others[0]);
+    const auto corner = [&](std::int32_t surface) {
+        return p->surfaces[static_cast<std::size_t>(surface)].position_mm[0];
+    };
+    for (const std::int32_t other : jobs[3].others) EXPECT_EQ(corner(other), Vector3d(5, 0, 0)) << "G52 shifts all";
+    EXPECT_FALSE(jobs[4].free_of_gouges);
+    EXPECT_TRUE(jobs[4].others.empty());
+    EXPECT_TRUE(jobs[5].free_of_gouges);
+    EXPECT_DOUBLE_EQ(jobs[5].reach_mm, 40) << "conditions stay in force";
+}
+
+TEST(SurfaceWords, TheReachIsALength) {
+    const auto p = read_surfaces(flat() + "G20 G323 D.0001 H1 K.1\nG323 P1 J2\nG324 P1 R.001 F10\n");
+    EXPECT_EQ(code_of(p), "NC0050") << "G20 needs a block of its own";
+    const auto inch = read_surfaces(flat() + "G20\nG323 P1 J2\nG324 P1 R.001 F10\n");
+    ASSERT_TRUE(inch) << said(inch);
+    EXPECT_DOUBLE_EQ(inch->surface_jobs[0].reach_mm, 50.8);
+}
+
 struct Refusal {
     std::string name, code, text;
 };
@@ -314,6 +346,11 @@ std::vector<Refusal> refusals() {
         {"ChordZero", "NC0063", "G323 D0\n"},
         {"ApproachNegative", "NC0063", "G323 R-1\n"},
         {"PassesOfNoKind", "NC0063", "G323 L3\n"},
+        {"FreedInPart", "NC0063", "G323 P2\n"},
+        {"ReachNotAsked", "NC0063", "G323 J40\n"},
+        {"ReachNoLongerAsked", "NC0063", "G323 P1 J40\nG323 P0 J30\n"},
+        {"ReachZero", "NC0063", "G323 P1 J0\n"},
+        {"ReachNegative", "NC0063", "G323 P1 J-5\n"},
         {"NoFeed", "NC0205", flat() + "G324 P1 R.01\n"},
         {"InverseTime", "NC0065", flat() + "G93 G324 P1 R.01 F1\n"},
         {"TcpOff", "NC0065", "M429\n" + job + "\n"},
@@ -360,6 +397,19 @@ TEST(SurfaceWords, MachiningBlocksAreLimited) {
     ASSERT_TRUE(most) << said(most);
     EXPECT_EQ(most->surfaces.size(), 1u);
     EXPECT_EQ(code_of(read_surfaces(loop(10'001))), "NC0054");
+}
+
+TEST(SurfaceWords, SurfacesToKeepOutOfAreLimited) {
+    const auto loop = [](int others, int times) {
+        return fmt::format(
+            "#1 = 0\no1 repeat [{}]\n#1 = [#1+1]\nG320 P#1 I1 J1 K2 L2\nX0 Y0 Z0\nX0 Y1 Z0\nX1 Y0 Z0\n"
+            "X1 Y1 Z0\nG322\no1 endrepeat\nF100\nG323 P1\no2 repeat [{}]\nG324 P1 R.01\no2 endrepeat\n",
+            others + 1, times);
+    };
+    const auto most = read_surfaces(loop(200, 5000));
+    ASSERT_TRUE(most) << said(most);
+    EXPECT_EQ(most->surfaces.size(), 201u);
+    EXPECT_EQ(code_of(read_surfaces(loop(200, 5001))), "NC0054");
 }
 
 }  // namespace

@@ -192,6 +192,73 @@ TEST(ExpandSurfaces, TheWholeWayToSetpoints) {
     EXPECT_GT(recorder.rows.size(), 1000u);
 }
 
+/// The bottom of a pocket, 40 mm wide, and the longer wall beside it.
+std::string pocket(const std::string& wall) {
+    return "G321 P1 I1 J1\nX8 Y0 Z0\nX0 Y40 Z0\nX32 Y0 Z0\nX0 Y0 Z0\nG322\n" + wall + "G322\n";
+}
+const std::string wall = "G320 P2 I1 J1 K2 L2\nX0 Y-30 Z0\nX0 Y70 Z0\nX0 Y-30 Z40\nX0 Y70 Z40\n";
+const std::string wall_seen_from_behind = "G320 P2 I1 J1 K2 L2\nX0 Y70 Z0\nX0 Y-30 Z0\nX0 Y70 Z40\nX0 Y-30 Z40\n";
+
+machine::Setup shop_with_balls() {
+    machine::Setup out = shop();
+    out.tools["5"] = {.kind = machine::ToolKind::ball, .diameter_mm = 10, .corner_radius_mm = 5, .length_mm = 120};
+    return out;
+}
+
+/// The least x that the tool's axis reaches on the moves of a line, `up_mm` above its tip.
+double least_x(const Program& program, int line, double up_mm) {
+    double least = 1e9;
+    for (const Move& move : program.moves)
+        if (is_in(move, line) && move.kind != MoveKind::rapid)
+            least = std::min(least, move.position_mm.x() + up_mm * move.axis.x());
+    return least;
+}
+
+const std::string towards_the_wall = "T5 M6\nG0 X20 Y20 Z90 A0 C0\n";
+const std::string machining = "G324 P1 R0.1 Q2 J15 F600\n";
+
+TEST(ExpandSurfaces, PassesAreFreedOfGougesWhereTheProgramAsksForIt) {
+    constexpr double shank_mm = 35, radius_mm = 5;
+    const auto x_of = [&](const std::string& words, const std::string& beside) {
+        const Program before = read(start + pocket(beside) + towards_the_wall + words + machining);
+        const auto p = expand_surfaces(before, shop_with_balls());
+        EXPECT_TRUE(p) << to_string(p.error());
+        return p ? least_x(*p, before.surface_jobs.at(0).line, shank_mm) : 0;
+    };
+    EXPECT_LT(x_of("G323 D.002\n", wall), radius_mm - 4) << "as it is told: the shank goes into the wall";
+    EXPECT_LT(x_of("G323 D.002 P1\n", wall), radius_mm - 4) << "nothing is known of its shank";
+    EXPECT_GT(x_of("G323 D.002 P1 J40\n", wall), radius_mm - 0.01);
+    EXPECT_GT(x_of("G323 D.002 P1 J40\n", wall_seen_from_behind), radius_mm - 0.01) << "a sheet has no side";
+}
+
+TEST(ExpandSurfaces, ThatPassesLeanIsToldOnce) {
+    const std::string two = machining + "G0 Z90\nX20 Y20 A0 C0\n" + machining;
+    const auto p =
+        expand_surfaces(read(start + pocket(wall) + towards_the_wall + "G323 D.002 P1 J40\n" + two), shop_with_balls());
+    ASSERT_TRUE(p) << to_string(p.error());
+    ASSERT_EQ(p->diagnostics.size(), 1u);
+    EXPECT_EQ(p->diagnostics[0].code, "PIPE0124");
+    EXPECT_EQ(p->diagnostics[0].severity, Severity::note);
+    EXPECT_EQ(p->diagnostics[0].place.line,
+              read(start + pocket(wall) + towards_the_wall + "G323 D.002 P1 J40\n" + two).surface_jobs[0].line);
+    EXPECT_GE(p->diagnostics[0].count, 4);
+    EXPECT_EQ(p->diagnostics[0].count % 2, 0) << "as many of both";
+}
+
+/// Away from a wall that hangs over a rounded tool leans across its feed, which makes its ridges higher.
+TEST(ExpandSurfaces, HigherRidgesOfPassesThatLeanAreTold) {
+    const std::string overhang = "G320 P2 I1 J1 K2 L2\nX0 Y-30 Z0\nX0 Y70 Z0\nX6 Y-30 Z40\nX6 Y70 Z40\n";
+    const auto p = expand_surfaces(
+        read(start + pocket(overhang) + "T2 M6\nG0 X20 Y20 Z90 A0 C0\nG323 D.002 P1 J30\nG324 P1 R0.05 Q3 J4 F600\n"),
+        shop());
+    ASSERT_TRUE(p) << to_string(p.error());
+    ASSERT_EQ(p->diagnostics.size(), 2u);
+    EXPECT_EQ(p->diagnostics[0].code, "PIPE0124");
+    EXPECT_EQ(p->diagnostics[1].code, "PIPE0123");
+    EXPECT_EQ(p->diagnostics[1].severity, Severity::warning);
+    EXPECT_EQ(p->diagnostics[1].limit, "50 um");
+}
+
 struct RefusedTool {
     std::string words, code;
 };

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "trunnion/base/quantity.hpp"
+#include "trunnion/pipeline/surface_motion_check.hpp"
 #include "trunnion/surfacing/path_interval.hpp"
 
 #include "surface_motion_samples.hpp"
@@ -134,6 +135,33 @@ TEST(SurfaceMotionAhead, ends_its_thread_where_the_observer_throws) {
     SurfaceCase work(slope());
     Broken broken;
     EXPECT_THROW(static_cast<void>(move_ahead(work, broken)), std::runtime_error);
+}
+
+/// Back over the hump of the slope, from end to begin: straight from retract level to retract level the way goes
+/// through the hump, or through a lid that passes go under.
+TEST(SurfaceMotionAhead, leads_links_clear_of_the_face_and_of_the_rest_of_the_part) {
+    SurfaceCase work(slope());
+    work.surface.zigzag = false;
+    work.surface.scallop_mm = 0.2;
+    work.options.plan.period_s = 0.004;
+    const Face lid = surfacing::whole_face(
+        geometry::polynomial_surface(1, 1, {{10, -6, 12.4}, {0, 24, 14.4}, {6, 0, 0}, {0, 0, 0}}).value());
+    const auto cutter = work.cutter();
+    const auto kinematics = machine::Kinematics::make(work.machine, work.setup.workpiece, 100).value();
+    const auto in_part = [&](double retract_mm, const std::vector<Face>& beside, const std::vector<Face>& part) {
+        work.surface.retract_mm = retract_mm;
+        Recorder recorder;
+        const surfacing::Holder none;
+        MotionInPart motion(kinematics, cutter, none, recorder);
+        const auto moved =
+            move_surface_ahead(work.face, cutter, work.surface, work.machine, work.setup, work.options, motion, beside);
+        EXPECT_TRUE(moved) << to_string(moved.error());
+        const auto found = motion.check(part, work.surface.gouge_tolerance_mm).value();
+        return found.in_part ? found.in_part->depth_mm : 0;
+    };
+    EXPECT_EQ(in_part(3, {}, {work.face}), 0);
+    EXPECT_EQ(in_part(14, {lid}, {work.face, lid}), 0);
+    EXPECT_GT(in_part(14, {}, {work.face, lid}), 1) << "of a lid that nobody told of";
 }
 
 /// Hollow where the tool is flat, ridges of no height, passes that never end: nothing of it is begun.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <string>
@@ -164,6 +165,28 @@ TEST(Degenerate, TipsOfHollowConesAreRefused) {
             EXPECT_EQ(code_of(hollow, tool, strategy), "SURF0203");
 }
 
+/// Lin and Koren's rule looks at curvatures, not at ridges: what is above the scallop is told, with its place.
+TEST(Degenerate, RidgesOfLinAndKorensRuleAreTold) {
+    const Degenerate one = tip_of_cone();
+    const auto told = [&](const machine::Tool& tool, double scallop_mm) {
+        const Cutter cutter = Cutter::make(tool).value();
+        SurfaceOptions options = options_of(Strategy::lin_koren, cutter);
+        options.scallop_mm = scallop_mm;
+        const auto plan = plan_surface(one.face, cutter, options).value();
+        EXPECT_EQ(plan.highest_ridge_mm > scallop_mm, !plan.program.diagnostics.empty());
+        return plan.program.diagnostics;
+    };
+    EXPECT_TRUE(told(ball_tool(5), 0.05).empty());
+    const auto leaning = told(torus_tool(5, 1), 0.05);
+    ASSERT_EQ(leaning.size(), 1u);
+    EXPECT_EQ(leaning[0].code, "SURF0212");
+    EXPECT_EQ(leaning[0].severity, Severity::warning);
+    EXPECT_EQ(leaning[0].limit, "0.05 mm");
+    double x = 0, y = 0, z = 0;
+    ASSERT_EQ(std::sscanf(leaning[0].text.c_str(), "%*[^(](%lf %lf %lf)", &x, &y, &z), 3) << leaning[0].text;
+    EXPECT_NEAR(std::hypot(x, y), -z * cone_radius / cone_height, 0.002) << "on the cone";
+}
+
 TEST(Degenerate, LinesWhereParametersStandStillAreCrossed) {
     const Degenerate one{"stalling", facing(stalling(12, 0.3), {0, 0, 1}),
                          [](const Vector3d&) -> Vector3d { return {0, 0, 1}; }};
@@ -183,6 +206,25 @@ TEST(Degenerate, LinesWhereParametersStandStillAreCrossed) {
 TEST(Degenerate, FacesWithoutNormalsWhereTheyBeginAreRefused) {
     for (const Strategy strategy : strategies)
         EXPECT_EQ(code_of(facing(stalling(16, 0.5), {0, 0, 1}), ball_tool(6), strategy), "SURF0205");
+}
+
+/// An edge far thinner than ridges are high has next to no interval. A flank is no steeper than 45° all the same, so
+/// that steps along it are as long as what a move is off sideways asks for.
+TEST(Sharp, StepsAlongAnEdgeAreNotShortenedByItsIntervals) {
+    constexpr double ring = 30, edge = 0.002, turn = 0.5, chord_mm = 0.01, ball_mm = 5;
+    const Face face = facing(torus(ring, edge, 0.2, 1.0, turn), {1, 0, 0});
+    const Cutter ball = Cutter::make(ball_tool(2 * ball_mm)).value();
+    const SurfaceOptions options{.strategy = Strategy::along_v,
+                                 .scallop_mm = 0.2,
+                                 .chord_tolerance_mm = chord_mm,
+                                 .borders = false,
+                                 .longest_step_mm = 50};
+    const auto plan = plan_surface(face, ball, options);
+    ASSERT_TRUE(plan) << to_string(plan.error());
+    ASSERT_EQ(plan->passes.size(), 1u);
+    // Chords of the ring that the ball's middle goes round; what they are off counts up to 1.5 times.
+    const double longest_mm = std::sqrt(8 * chord_mm * (ring + ball_mm) / 1.5), way_mm = turn * (ring + ball_mm);
+    EXPECT_LT(static_cast<double>(plan->passes[0].contacts.size()), 1.3 * way_mm / longest_mm + 2);
 }
 
 }  // namespace

@@ -151,20 +151,35 @@ TEST(Gouge, OfABladeBesideIsFoundAndRemoved) {
     expect_removed(blades(50, limits(-85, 85, 60)), GougeKind::global, "blades");
 }
 
-TEST(Gouge, BetweenContactsIsSeen) {
-    // A long straight move through a wall: its two contacts are free.
-    Work work({rectangle({0, 0, 0}, {60, 0, 0}, {0, 60, 0}), rectangle({30, 20, 0}, {0, 20, 0}, {0, 0, 15})},
-              ball_tool(6), 30, {0, 0}, limits(-10, 10, 10), {0.5});
+/// A long straight move through a wall of 15 mm across a floor: its two contacts are free.
+GougeReport through_a_wall(bool solid) {
+    Face wall = rectangle({30, 20, 0}, {0, 20, 0}, {0, 0, 15});
+    wall.solid = solid;
+    Work work({rectangle({0, 0, 0}, {60, 0, 0}, {0, 60, 0}), wall}, ball_tool(6), 30, {0, 0}, limits(-10, 10, 10),
+              {0.5});
     work.passes = {
         pass_on(work.tool(), std::vector<SurfacePlace>{{0.1, 0.5}, {0.9, 0.5}}, 0, {.longest_step_mm = 100}).value()};
-    ASSERT_EQ(work.passes[0].contacts.size(), 2u);
-    const auto report = work.check().value();
+    EXPECT_EQ(work.passes[0].contacts.size(), 2u);
+    return work.check().value();
+}
+
+TEST(Gouge, BetweenContactsIsSeen) {
+    const auto report = through_a_wall(false);
     ASSERT_EQ(report.gouges.size(), 1u);
     EXPECT_NEAR(report.gouges[0].share, 0.5, 0.08);
     EXPECT_EQ(report.gouges[0].face, 1);
     EXPECT_GT(report.deepest_mm, 2.7);  // the radius, to half a step: a sheet is not deeper
     EXPECT_LT(report.deepest_mm, 3.001);
     EXPECT_GT(report.poses, 90u);  // steps of 0.5 mm over 48
+}
+
+TEST(Gouge, BetweenContactsBehindTheSkinOfASolidIsSeen) {
+    const auto report = through_a_wall(true);
+    ASSERT_EQ(report.gouges.size(), 1u);
+    EXPECT_EQ(report.gouges[0].face, 1);
+    EXPECT_GT(report.deepest_mm, 2.9);  // the radius, and what the axis is behind the wall
+    EXPECT_LT(report.deepest_mm, 30);
+    EXPECT_GT(report.poses, 90u);
 }
 
 TEST(Gouge, OfTheHolderIsToldAsSuch) {

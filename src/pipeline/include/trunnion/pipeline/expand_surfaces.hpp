@@ -18,8 +18,15 @@ namespace trunnion::pipeline {
 /// reader leaves for it come before the passes, the rest behind; all before them where there is none. That event is
 /// taken away. Following axes stand still on the passes.
 ///
+/// A job that is freed of gouges: as make_surface_program() with freeing in the limits of lean_limits(), of gouges
+/// deeper than twice the chord tolerance, against the job's surface and its others. Passes that were turned are
+/// simulated.
+///
 /// Errors, placed at the job's line: PIPE0120 the setup has not its tool; those of geometry::BsplineSurface,
-/// surfacing::Cutter and plan_surface. Cost: that of plan_surface; memory for the passes.
+/// surfacing::Cutter, plan_surface and make_surface_program; PIPE0123 freed passes that go into the surfaces all the
+/// same. Told in the program's diagnostics: PIPE0123 freed passes leave higher ridges than asked for, PIPE0124 how many
+/// were turned. Cost: that of plan_surface, or of make_surface_program and check_surface_program; memory for the
+/// passes.
 Result<program::Program> expand_surfaces(program::Program program, const machine::Setup& setup);
 
 /// The same for a program that is read meanwhile: the passes of a part belong to that part. Nothing is planned before

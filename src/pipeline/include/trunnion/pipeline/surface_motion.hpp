@@ -76,14 +76,17 @@ Result<std::vector<verify::ProgrammedPose>> programmed_poses(const surfacing::Su
 ///
 /// Passes are laid and planned on a thread of its own, at most 64 windows ahead, while the caller's thread
 /// interpolates: an observer that takes its time over every setpoint, as a control does, has the next ones ready
-/// (`least_ahead_s`). The tool is held against the face where it touches it, against nothing else of the part: that
-/// MotionInPart tells afterwards.
+/// (`least_ahead_s`). The tool is held against the face where it touches it; what it does beside its contact on passes
+/// MotionInPart tells afterwards. Links keep clear of the face and of `others`, the rest of the part, as those of
+/// make_surface_program(). Ridges are not measured.
 ///
 /// Branch and winding of the rotary axes are chosen pass by pass. Errors: as above; PIPE0133 not a whole face, or more
 /// than 20 000 passes; SURF0202, SURF0203 as surfacing::plan_surface.
 Result<SurfaceMotionSummary> move_surface_ahead(const surfacing::Face& face, const surfacing::Cutter& cutter,
                                                 const surfacing::SurfaceOptions& surface,
                                                 const machine::Machine& machine, const machine::Setup& setup,
-                                                const SurfaceMotionOptions& options, PlanObserver& observer);
+                                                const SurfaceMotionOptions& options, PlanObserver& observer,
+                                                std::span<const surfacing::Face> others = {},
+                                                const surfacing::Holder& holder = {});
 
 }  // namespace trunnion::pipeline

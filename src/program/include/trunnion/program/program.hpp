@@ -149,6 +149,9 @@ struct SurfaceJob {
     bool zigzag = true, borders = true;
     double lift_mm = 1, retract_mm = 20;
     double feed_mm_s = 0, approach_mm_s = 0;  ///< approach 0: as the feed
+    bool free_of_gouges = false;              ///< the tool leans out of this surface and of `others`
+    double reach_mm = 0;  ///< with free_of_gouges: how far up from its tip the tool is as thick; 0: its diameter
+    std::vector<std::int32_t> others;  ///< indices in Program::surfaces: sheets that the tool must not go into
     std::size_t before_move = 0;
     std::uint16_t tool = 0;    ///< index in Program::tools
     std::uint16_t offset = 0;  ///< index in Program::offsets

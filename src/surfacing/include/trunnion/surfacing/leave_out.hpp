@@ -39,4 +39,17 @@ Result<ReachedPlan> leave_out_gouges(SurfacePlan plan, std::span<const Face> fac
 void lead_links_clear(SurfacePlan& plan, const Cutter& cutter, const PartBody& part, const SurfaceOptions& options,
                       const LeavingOptions& leaving);
 
+/// What links keep clear of.
+struct PartBeside {
+    const Cutter& cutter;
+    const PartBody& body;
+    LeavingOptions leaving;
+};
+
+/// One link of that kind, of passes that come one by one: the moves from the end of `before`, which is moves[0], down
+/// to the first contact of `next`. Either may be missing: then they begin above `next`, or end above `before`; of both
+/// the contacts there and the index count. Without a part, or where no way is free: as the options say.
+program::Program link_between(const Pass* before, const Pass* next, const SurfaceOptions& options,
+                              const PartBeside* part);
+
 }  // namespace trunnion::surfacing
