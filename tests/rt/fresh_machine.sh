@@ -11,6 +11,7 @@ fi
 
 mirror=http://deb.debian.org/debian
 machine=$(mktemp -d /var/tmp/fresh-machine-XXXXXX)
+chmod 755 "$machine"  # its / is for all users
 unmounted() {
   ! findmnt -rno TARGET | grep "^$machine/" | sort -r | xargs -r umount -l
   rm -rf --one-file-system "$machine"
