@@ -9,6 +9,7 @@
 
 #include "trunnion/surfacing/path_interval.hpp"
 
+#include "detail/node.hpp"
 #include "detail/passes.hpp"
 
 namespace trunnion::surfacing::detail {
@@ -29,7 +30,7 @@ class Strip {
         : job_(job), face_(face), way_(border.resampled(job.face.surface, 0.1 * job.cutter.radius_mm())) {
         for (const double s : way_.lengths()) {
             stations_.push_back(job.station(way_, s, false));
-            if (const auto& at = stations_.back())
+            if (const auto& at = stations_.back(); at && check_fit(job, *at))
                 interval_mm_ = std::min(interval_mm_, interval_mm(at->shape, at->pose.axis, at->across));
         }
     }
@@ -48,12 +49,15 @@ class Strip {
     Result<void> append(double width_mm, std::vector<Pass>& passes) const {
         // Half an interval beside it the pass along the border cuts itself.
         if (!(width_mm > 0.5 * interval_mm_)) return {};
-        const double step = strip_share * interval_mm_;
-        const int count = static_cast<int>(std::ceil(width_mm / step)), side = inner_side(step);
-        for (int k = 1; k <= count; ++k) {
+        const double step = strip_share * interval_mm_, count = std::ceil(width_mm / step);
+        if (!(count <= most_ways)) return too_many_ways();
+        const int side = inner_side(step);
+        for (int k = 1; k <= static_cast<int>(count); ++k) {
             constexpr int forwards = -2;
             const std::size_t first = passes.size();
-            if (auto done = append_passes(job_, beside(side * k * step), forwards, passes); !done) return done;
+            const Way way = beside(side * k * step);
+            if (way.places().size() < 2) return {};
+            if (auto done = append_passes(job_, way, forwards, passes); !done) return done;
             for (std::size_t i = first; i < passes.size(); ++i) passes[i].index = -1;
         }
         return {};
@@ -64,7 +68,8 @@ class Strip {
         return path_interval_mm(job_.cutter, at, axis, at.components(across), job_.ridge_mm());
     }
 
-    /// Of one end of a pass: half its interval in the direction d = n + t f conjugate to the feed f, away from here.
+    /// Of one end of a pass: half its interval in the direction d = n + t f conjugate to the feed f, away from here; no
+    /// farther than the tool's end reaches.
     double width_mm(const Contact& end, const Contact& next) const {
         if (end.face != face_) return 0;
         const auto shape = job_.shape(end.place);
@@ -78,12 +83,12 @@ class Strip {
         const Vector3d across = shape->normal.cross(feed);
         const Eigen::Matrix2d parted = parting(job_.cutter, *shape, end.pose.axis);
         const Eigen::Vector2d f = shape->components(feed), n = shape->components(across);
-        const double along = f.dot(parted * f);
-        if (!(along > 0)) return 0;
-        const Vector3d conjugate = across - n.dot(parted * f) / along * feed;
+        if (!(geometry::principal_curvatures(parted).smaller > 0)) return 0;  // it does not fit, and leaves no ridges
+        const Vector3d conjugate = across - n.dot(parted * f) / f.dot(parted * f) * feed;
         const Eigen::Vector2d slope = way_.slope(*s);
         const Vector3d tangent = (slope.x() * shape->by_u + slope.y() * shape->by_v).normalized();
-        return 0.5 * interval_mm(*shape, end.pose.axis, across) * std::abs(conjugate.dot(shape->normal.cross(tangent)));
+        const double half_mm = 0.5 * interval_mm(*shape, end.pose.axis, across);
+        return std::min(half_mm * std::abs(conjugate.dot(shape->normal.cross(tangent))), 2 * job_.cutter.radius_mm());
     }
 
     /// To which side of the border the face lies: +1 where its stations' across direction leads.

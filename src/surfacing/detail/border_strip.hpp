@@ -15,7 +15,7 @@ namespace trunnion::surfacing::detail {
 /// does. Nothing for balls, and where one of both leans is 0.
 ///
 /// `borders`: ways along the face's borders; `passes`: those of the plan so far, to which the new ones are added with
-/// the index −1. Errors: those of append_passes().
+/// the index −1. Errors: SURF0206, those of append_passes().
 Result<void> append_strip_passes(const Job& job, int face, std::span<const Way> borders, std::vector<Pass>& passes);
 
 }  // namespace trunnion::surfacing::detail
