@@ -14,6 +14,7 @@
 #include "trunnion/surfacing/part_body.hpp"
 #include "trunnion/surfacing/plan_region.hpp"
 
+#include "detail/border_strip.hpp"
 #include "detail/join_passes.hpp"
 #include "detail/node.hpp"
 #include "detail/passes.hpp"
@@ -209,11 +210,16 @@ class RegionPlanner {
         for (std::size_t k = 0; k < faces_.size(); ++k) {
             const bool goes_on = options_.strategy == Strategy::parallel_planes;
             const std::size_t first = plan_.passes.size();
+            std::vector<detail::Way> ends;  // borders where passes of this face end
             // A border that two faces share has its pass once, or none where passes go on over it.
             const auto wanted = [&](const detail::Way& way) {
-                return !detail::is_shared(way, faces_.subspan(0, goes_on ? faces_.size() : k), faces_[k]);
+                const bool shared = detail::is_shared(way, faces_.subspan(0, goes_on ? faces_.size() : k), faces_[k]);
+                if (!(shared && goes_on)) ends.push_back(way);
+                return !shared;
             };
             if (auto done = detail::append_border_passes(jobs_[k], wanted, plan_.passes); !done)
+                return refused(k, std::move(done.error()));
+            if (auto done = detail::append_strip_passes(jobs_[k], static_cast<int>(k), ends, plan_.passes); !done)
                 return refused(k, std::move(done.error()));
             for (std::size_t i = first; i < plan_.passes.size(); ++i)
                 for (Contact& contact : plan_.passes[i].contacts) contact.face = static_cast<int>(k);

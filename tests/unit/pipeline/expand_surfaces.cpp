@@ -321,6 +321,26 @@ TEST(ExpandSurfaces, AProgramThatIsReadMeanwhile) {
     for (std::size_t i = 0; i < events.size(); ++i) EXPECT_EQ(events[i], whole->events[i].word);
 }
 
+/// Diagnostics come with the last part, also those of passes that were laid in the first one.
+TEST(ExpandSurfaces, WhatIsToldOfOnePartComesWithTheLast) {
+    std::string text = start + pocket(wall) + towards_the_wall + "G323 D.002 P1 J40\n" + machining;
+    for (int i = 0; i < 30; ++i) text += fmt::format("G1 X{} Y{} Z90 A0 C0\nG0 Y70\n", i, i);
+    const auto path = std::filesystem::temp_directory_path() / fmt::format("trunnion_told_{}.ngc", ::getpid());
+    std::ofstream(path) << text;
+    nc::ReadOptions options;
+    options.machine = &table();
+    options.parts = {.to_rapid = 5, .to_stop = 9, .most = 1'000'000};
+    const machine::Setup setup = shop_with_balls();
+    const auto parts = expand_surfaces(nc::open_program_file(path, options).value(), setup);
+    Program part;
+    std::vector<Diagnostic> told;
+    int count = 0;
+    for (; parts->next(part).value(); ++count) told = part.diagnostics;
+    std::filesystem::remove(path);
+    EXPECT_GT(count, 2);
+    ASSERT_EQ(std::ranges::count(told, "PIPE0124", &Diagnostic::code), 1);
+}
+
 TEST(ExpandSurfaces, SurfacesAreNotWrittenBeforeTheirPasses) {
     const auto written = nc::write_text(read(start + plane + "G324 P1 R0.01 F600\n"), &table(), {});
     ASSERT_FALSE(written);

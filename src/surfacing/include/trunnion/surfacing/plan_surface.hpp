@@ -36,7 +36,9 @@ struct SurfaceOptions {
     /// Places that the tool does not fit into, or where it would cut too deep, do not refuse the plan but are told:
     /// such a plan gouges, until leave_out_gouges() has cut those parts of passes away.
     bool leave_out = false;
-    bool borders = true;         ///< a pass along every border as well, so that no strip is left beside it
+    /// A pass along every border as well, so that no strip is left beside it; where a tool that is no ball leans along
+    /// and across its feed as many as that takes.
+    bool borders = true;
     double lift_mm = 1;          ///< up the tool axis between neighbouring passes to and fro
     double retract_mm = 20;      ///< up the tool axis for rapids
     double longest_step_mm = 5;  ///< of a straight move
