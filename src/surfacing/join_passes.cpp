@@ -20,12 +20,6 @@ bool goes_on(const Pass& before, const Pass& after) {
            geometry::angle_between(begin.normal, end.normal) < corner_rad;
 }
 
-void append(Pass& to, Pass&& from) {
-    const bool same = (from.contacts.front().point_mm - to.contacts.back().point_mm).norm() < same_mm &&
-                      geometry::angle_between(from.contacts.front().normal, to.contacts.back().normal) < 1e-4;
-    std::move(from.contacts.begin() + (same ? 1 : 0), from.contacts.end(), std::back_inserter(to.contacts));
-}
-
 /// The place of a face's border that is nearest to a point, if within the gap.
 std::optional<geometry::SurfaceShape> border_near(const Face& face, const Eigen::Vector3d& point) {
     double least = gap_mm;
@@ -45,6 +39,14 @@ std::optional<geometry::SurfaceShape> border_near(const Face& face, const Eigen:
 }
 
 }  // namespace
+
+void append(Pass& to, Pass&& from) {
+    if (from.contacts.empty()) return;
+    const bool same = !to.contacts.empty() &&
+                      (from.contacts.front().point_mm - to.contacts.back().point_mm).norm() < same_mm &&
+                      geometry::angle_between(from.contacts.front().normal, to.contacts.back().normal) < 1e-4;
+    std::move(from.contacts.begin() + (same ? 1 : 0), from.contacts.end(), std::back_inserter(to.contacts));
+}
 
 void join_passes(std::vector<Pass>& passes) {
     for (std::size_t i = 0; i < passes.size();) {

@@ -14,8 +14,6 @@
 
 namespace trunnion::surfacing::detail {
 
-using geometry::SurfacePlace;
-
 namespace {
 
 /// One way after the other, to one side of the start.
@@ -62,7 +60,7 @@ class Sweeper {
     /// Of what the strategy counts in, where nothing on the first way asks for a step.
     double first_step() const {
         constexpr double share = 0.01;
-        const Eigen::Vector2d size = job_.box.high - job_.box.low;
+        const Eigen::Vector2d size = job_.region.box(0).high - job_.region.box(0).low;
         switch (job_.options.strategy) {
             case Strategy::along_u:
                 return share * size.y();
@@ -104,15 +102,15 @@ class Sweeper {
         return (turned(turn_rad) - turned(-turn_rad)) / (2 * turn_rad * turned(0));
     }
 
-    SurfacePlace offset(const Station& at, double interval) const {
+    Place offset(const Station& at, double interval) const {
         // On the circle of the surface's curvature across the way, then onto the surface.
         const double bend = at.shape.normal_curvature(at.shape.components(at.across));
         const double sine = std::clamp(0.5 * interval * bend, -0.9, 0.9), cosine = std::sqrt(1 - sine * sine);
         const Eigen::Vector3d across = side_ * interval * cosine * at.across;
         const Eigen::Vector3d way = across + (uniform() ? 0 : side_ * interval * shear(at)) * at.along;
         const Eigen::Vector2d guess = at.shape.parameters_along(way);
-        return geometry::closest_place(job_.face.surface, at.shape.point + way - interval * sine * at.shape.normal,
-                                       {at.place.u + guess.x(), at.place.v + guess.y()}, 1);
+        return job_.region.closest(at.shape.point + way - interval * sine * at.shape.normal,
+                                   {{at.place.u + guess.x(), at.place.v + guess.y()}, at.place.chart});
     }
 
     /// `step`: of uniform strategies.
@@ -122,7 +120,7 @@ class Sweeper {
             next_parameter_ = parameter_ + step;
             return parameter_way(job_, field_, strategy == Strategy::along_u, next_parameter_);
         }
-        std::vector<std::optional<SurfacePlace>> moved;
+        std::vector<std::optional<Place>> moved;
         for (const Node& node : nodes) {
             moved.emplace_back();
             if (!node.station) continue;
@@ -178,7 +176,7 @@ class Sweeper {
             if (!node.station) continue;
             const auto beside = next.nearest(node.station->place, node.station->shape);
             if (!beside || *beside <= 0 || *beside >= next.length()) continue;
-            const bool inside = node.inside || contains(job_.face, next.place(*beside));
+            const bool inside = node.inside || job_.region.contains(next.place(*beside));
             if (uniform() && !inside) continue;
             const auto ridge = ridge_between_mm(job_, here, way.lengths()[i], there, 4 * wanted);
             if (!ridge) continue;
@@ -189,15 +187,18 @@ class Sweeper {
             out.factors[i] = interval_factor(job_, *node.station, *ridge, wanted);
             if (inside) out.least_factor = std::min(out.least_factor, out.factors[i]);
         }
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            if (way.leads_over(i)) out.factors[i] = out.factors[i + 1];
         if (!any) out.least_factor = 1;  // as between ways near a border that is one point: left to curvatures
         return out;
     }
 
     /// A ridge up to the next way.
     LeftPlace left_place(const Station& at, const Way& next, double beside) const {
-        const SurfacePlace there = next.place(beside);
-        const double apart = (job_.face.surface.at(there.u, there.v) - at.shape.point).norm();
-        return {.at_mm = at.shape.point, .reach_mm = apart};
+        const double apart = (job_.region.at(next.place(beside)) - at.shape.point).norm();
+        return {.at_mm = at.shape.point,
+                .face = static_cast<int>(job_.region.number(at.place.chart)),
+                .reach_mm = apart};
     }
 
     /// Corrects the intervals of constant scallop; false where they hardly change and no ridge is too high. What means
@@ -327,9 +328,10 @@ class Sweeper {
         out_.highest_ridge_mm = std::max(out_.highest_ridge_mm, highest);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Node& node = nodes[i];
-            if (!node.station || !is_in_box(node.station->place)) continue;
+            if (!node.station || !job_.region.is_in_box(node.station->place)) continue;
             const double interval = uniform() ? step * rate(*node.station) : node.interval * node.correction;
-            const double length = way.lengths()[i] - (i > 0 ? way.lengths()[i - 1] : 0);
+            const std::size_t before = i > 1 && way.leads_over(i - 1) ? i - 2 : i - 1;
+            const double length = way.lengths()[i] - (i > 0 ? way.lengths()[before] : 0);
             out_.covered_mm2 += interval * length;
             if (!node.inside) continue;
             out_.least_interval_mm = std::min(out_.least_interval_mm, interval);
@@ -339,11 +341,7 @@ class Sweeper {
 
     /// Where a way misses the face within its box, as in a bay of it, the next ones may reach it again.
     bool reaches_box(const Way& way) const {
-        return std::ranges::any_of(way.places(), [this](const SurfacePlace& at) { return is_in_box(at); });
-    }
-    bool is_in_box(const SurfacePlace& at) const {
-        return at.u >= job_.box.low.x() && at.u <= job_.box.high.x() && at.v >= job_.box.low.y() &&
-               at.v <= job_.box.high.y();
+        return std::ranges::any_of(way.places(), [this](const Place& at) { return job_.region.is_in_box(at); });
     }
 
     const Job& job_;
@@ -365,10 +363,10 @@ struct Start {
 
 Start border_start(const Job& job, const Field& field) {
     const bool along_u = job.options.strategy != Strategy::along_v;
-    const ParameterBox& box = job.box;
+    const ParameterBox& box = job.region.box(0);
     const int k = along_u ? 1 : 0;
     // Just within, so that the first pass is there.
-    const double at = std::max(box.low[k] + 1e-9 * (box.high[k] - box.low[k]), field.box.low[k]);
+    const double at = std::max(box.low[k] + 1e-9 * (box.high[k] - box.low[k]), field.boxes.front().low[k]);
     Start out{.way = parameter_way(job, field, along_u, at), .parameter = at, .both_sides = false};
     if (const auto middle = job.station(out.way, 0.5 * out.way.length(), false); middle) {
         const Eigen::Vector3d inward = along_u ? middle->shape.by_v : middle->shape.by_u;
@@ -379,18 +377,17 @@ Start border_start(const Job& job, const Field& field) {
 
 }  // namespace
 
-Eigen::Vector3d feed_in_middle(const Job& job, const geometry::SurfaceShape& middle) {
+Eigen::Vector3d feed_in_middle(const SurfaceOptions& options, const geometry::SurfaceShape& middle) {
     // S_u × S_v leads out of the material or into it: from S_u towards S_v is against e₂ then.
-    const double turn = (middle.e2.dot(middle.by_v) > 0 ? 1 : -1) * job.options.feed_angle_rad;
+    const double turn = (middle.e2.dot(middle.by_v) > 0 ? 1 : -1) * options.feed_angle_rad;
     return middle.in_space({std::cos(turn), std::sin(turn)});
 }
 
 namespace {
 
 Start middle_start(const Job& job, const Field& field) {
-    const SurfacePlace middle{field.middle.x(), field.middle.y()};
-    const Eigen::Vector3d feed = feed_in_middle(job, *job.shape(middle));
-    return {.way = way_through(job, field, middle, feed, nullptr)};
+    const Eigen::Vector3d feed = feed_in_middle(job.options, *job.shape(field.middle));
+    return {.way = way_through(job, field, field.middle, feed, nullptr)};
 }
 
 }  // namespace

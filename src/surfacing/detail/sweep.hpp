@@ -26,7 +26,7 @@ struct Sweep {
 /// SURF0206, SURF0208, SURF0209.
 Result<Sweep> sweep(const Job& job);
 
-/// The direction of the feed in the face's middle.
-Eigen::Vector3d feed_in_middle(const Job& job, const geometry::SurfaceShape& middle);
+/// The direction of the feed in a face's middle.
+Eigen::Vector3d feed_in_middle(const SurfaceOptions& options, const geometry::SurfaceShape& middle);
 
 }  // namespace trunnion::surfacing::detail

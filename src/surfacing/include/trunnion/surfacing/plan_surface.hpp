@@ -36,6 +36,8 @@ struct SurfaceOptions {
     /// Places that the tool does not fit into, or where it would cut too deep, do not refuse the plan but are told:
     /// such a plan gouges, until leave_out_gouges() has cut those parts of passes away.
     bool leave_out = false;
+    /// constant_scallop of several faces: passes run on over borders at which they meet with normals within 1°.
+    bool across_joints = true;
     bool borders = true;         ///< a pass along every border as well, so that no strip is left beside it
     double lift_mm = 1;          ///< up the tool axis between neighbouring passes to and fro
     double retract_mm = 20;      ///< up the tool axis for rapids
