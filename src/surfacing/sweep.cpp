@@ -29,6 +29,7 @@ class Sweeper {
         for (int count = 0; count < most_ways; ++count, index += side) {
             auto nodes = nodes_of(job_, way, job_.backwards(index), uniform() ? correction_ : 1);
             if (!nodes) return fail(std::move(nodes.error()));
+            if (!uniform()) blend_over_joints(*nodes);
             auto next = next_way(way, index, *nodes);
             if (!next) return fail(std::move(next.error()));
             if (!*next || !reaches_box(**next)) return {};
@@ -85,6 +86,13 @@ class Sweeper {
         return std::isfinite(anywhere) ? anywhere : last_step_;
     }
 
+    /// The axis that leans in another frame as it does in the station's.
+    static Eigen::Vector3d axis_in(const Station& at, const Eigen::Vector3d& normal, const Eigen::Vector3d& along,
+                                   const Eigen::Vector3d& across) {
+        return at.pose.axis.dot(at.shape.normal) * normal + at.pose.axis.dot(at.along) * along +
+               at.pose.axis.dot(at.across) * across;
+    }
+
     /// How far the place of the next pass that belongs to a place is ahead along the way, for one unit across it: as
     /// rays of a wave front that is as fast in each direction as the interval is long, by the logarithmic derivative of
     /// the interval by the direction. Where the tool's curvature does not turn with the feed that is the direction d
@@ -95,9 +103,7 @@ class Sweeper {
         const auto turned = [&](double angle) {
             const Eigen::Vector3d across = std::cos(angle) * at.across + std::sin(angle) * at.along;
             const Eigen::Vector3d along = std::cos(angle) * at.along - std::sin(angle) * at.across;
-            const Eigen::Vector3d axis = at.pose.axis.dot(at.shape.normal) * at.shape.normal +
-                                         at.pose.axis.dot(at.along) * along + at.pose.axis.dot(at.across) * across;
-            return interval_mm(job_, at, axis, across, job_.ridge_mm());
+            return interval_mm(job_, at, axis_in(at, at.shape.normal, along, across), across, job_.ridge_mm());
         };
         return (turned(turn_rad) - turned(-turn_rad)) / (2 * turn_rad * turned(0));
     }
@@ -111,6 +117,32 @@ class Sweeper {
         const Eigen::Vector2d guess = at.shape.parameters_along(way);
         return job_.region.closest(at.shape.point + way - interval * sine * at.shape.normal,
                                    {{at.place.u + guess.x(), at.place.v + guess.y()}, at.place.chart});
+    }
+
+    /// Beyond a joint curvatures are others: of an interval that leads over one, each part counts with its face.
+    void blend_over_joints(std::vector<Node>& nodes) const {
+        for (Node& node : nodes) {
+            if (!node.station || job_.region.charts() == 1) continue;
+            const Station& at = *node.station;
+            const Place there = offset(at, node.interval * node.correction);
+            if (there.chart == at.place.chart) continue;
+            const auto shape = job_.shape(there);
+            if (!shape) continue;
+            const Eigen::Vector3d way = job_.region.at(there) - at.shape.point;
+            double low = 0, high = 1;
+            for (int halving = 0; halving < 12; ++halving) {
+                const double middle = 0.5 * (low + high);
+                const Place on = job_.region.closest(at.shape.point + middle * way, at.place);
+                (on.chart == at.place.chart ? low : high) = middle;
+            }
+            Station beyond = at;
+            beyond.shape = *shape;
+            const Eigen::Vector3d along = (at.along - at.along.dot(shape->normal) * shape->normal).normalized();
+            const Eigen::Vector3d across = shape->normal.cross(along);
+            const double beyond_mm =
+                interval_mm(job_, beyond, axis_in(at, shape->normal, along, across), across, job_.ridge_mm());
+            node.interval = low * node.interval + (1 - low) * beyond_mm;
+        }
     }
 
     /// `step`: of uniform strategies.
