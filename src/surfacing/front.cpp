@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "detail/node.hpp"
+
 namespace trunnion::surfacing::detail {
 
 using geometry::SurfaceShape;
@@ -66,6 +68,37 @@ std::optional<Place> step_along(const Job& job, const Place& from, const Surface
     return sound ? std::optional(next) : std::nullopt;
 }
 
+/// How fast the front of passes with a feed runs along a joint: the interval over the share of it that is across it.
+double pace_mm(const Job& job, const SurfaceShape& at, const Eigen::Vector3d& feed, const Eigen::Vector3d& joint) {
+    const Station station = job.standing({}, at, feed, false);
+    return interval_mm(job, station, station.pose.axis, station.across, job.ridge_mm()) / station.across.dot(joint);
+}
+
+/// The feed behind a joint. Passes have to meet there again and again, so both fronts run along it as fast: like light,
+/// passes are bent towards the face on which they are closer. Where they hardly cross the joint they go on straight.
+Eigen::Vector3d refracted(const Job& job, const Place& before, const Place& behind, const Eigen::Vector3d& feed) {
+    const auto from = job.shape(before), to = job.shape(behind);
+    const auto joint = from ? job.region.joint_along(before.chart, behind.chart, from->point) : std::nullopt;
+    if (!to || !joint) return feed;
+    const Eigen::Vector3d ahead = (feed - feed.dot(to->normal) * to->normal).normalized();
+    const Eigen::Vector3d across = to->normal.cross(ahead);
+    constexpr double most_rad = 0.5, along_it = 0.2;
+    if (std::abs(across.dot(*joint)) < along_it) return feed;
+    const double wanted = pace_mm(job, *from, feed.normalized(), *joint);
+    const auto turned = [&](double angle) -> Eigen::Vector3d {
+        return std::cos(angle) * ahead + std::sin(angle) * across;
+    };
+    const auto off = [&](double angle) { return 1 / pace_mm(job, *to, turned(angle), *joint) - 1 / wanted; };
+    double low = -most_rad, high = most_rad;
+    const bool rises = off(high) > 0;
+    if ((off(low) > 0) == rises) return feed;
+    for (int halving = 0; halving < 40; ++halving) {
+        const double middle = 0.5 * (low + high);
+        ((off(middle) > 0) == rises ? high : low) = middle;
+    }
+    return turned(low);
+}
+
 /// Places onward from one, which is not among them, up to the first one outside of the field.
 std::vector<Place> onward(const Job& job, const Field& field, Place place, Eigen::Vector3d direction,
                           const Planes* plane) {
@@ -79,6 +112,7 @@ std::vector<Place> onward(const Job& job, const Field& field, Place place, Eigen
         if (!next) break;
         const Eigen::Vector3d gone = job.region.at(*next) - shape->point;
         direction = plane ? gone : Eigen::Vector3d(flat);
+        if (next->chart != place.chart) direction = refracted(job, place, *next, direction);
         out.push_back(*next);
         place = *next;
     }

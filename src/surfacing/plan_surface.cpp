@@ -119,7 +119,9 @@ class RegionPlanner {
         for (detail::SmoothGroup& group : groups_) {
             if (group.faces.size() > 1) {
                 const detail::Region region(faces_, group);
-                if (auto laid = lay({region, cutter_, options_}); laid && laid->not_reached.empty()) {
+                auto laid = lay({region, cutter_, options_});
+                if (!laid && std::getenv("DEB")) fmt::print("GROUP {}\n", to_string(laid.error()));
+                if (laid && laid->not_reached.empty()) {
                     take(std::move(*laid));
                     continue;
                 }

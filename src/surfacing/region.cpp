@@ -212,16 +212,32 @@ Place Region::closest(const Eigen::Vector3d& point, const Place& guess) const no
     return here;
 }
 
+template <class Visit>
+void Region::each_line(const Joint& joint, const Eigen::Vector3d& point, const Visit& visit) noexcept {
+    for (std::size_t k = 1; k < joint.points.size(); ++k) {
+        const Eigen::Vector3d& from = joint.points[k - 1];
+        const Eigen::Vector3d way = joint.points[k] - from;
+        const double w = std::clamp((point - from).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
+        visit((from + w * way - point).squaredNorm(), way);
+    }
+}
+
 double Region::to_joint_mm(int chart, const Eigen::Vector3d& point) const noexcept {
     double least = std::numeric_limits<double>::infinity();
     for (const Joint& joint : of(chart).joints)
-        for (std::size_t k = 1; k < joint.points.size(); ++k) {
-            const Eigen::Vector3d& from = joint.points[k - 1];
-            const Eigen::Vector3d way = joint.points[k] - from;
-            const double w = std::clamp((point - from).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
-            least = std::min(least, (from + w * way - point).squaredNorm());
-        }
+        each_line(joint, point, [&](double squared, const auto&) { least = std::min(least, squared); });
     return std::sqrt(least);
+}
+
+std::optional<Eigen::Vector3d> Region::joint_along(int chart, int to, const Eigen::Vector3d& point) const noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    std::optional<Eigen::Vector3d> best;
+    for (const Joint& joint : of(chart).joints)
+        if (joint.to == to)
+            each_line(joint, point, [&](double squared, const Eigen::Vector3d& way) {
+                if (squared < least) least = squared, best = way.normalized();
+            });
+    return best;
 }
 
 bool Region::joined(int a, int b) const noexcept {

@@ -215,12 +215,16 @@ void Way::close(std::size_t arc, const End& from, const End& to, int depth, std:
 std::optional<Station> Job::station(const Place& place, const Eigen::Vector2d& slope, bool backwards) const noexcept {
     const auto shape = this->shape(place);
     if (!shape) return std::nullopt;
-    const Eigen::Vector3d along = (slope.x() * shape->by_u + slope.y() * shape->by_v).normalized();
-    const Eigen::Vector3d across = shape->normal.cross(along);
+    return standing(place, *shape, (slope.x() * shape->by_u + slope.y() * shape->by_v).normalized(), backwards);
+}
+
+Station Job::standing(const Place& place, const geometry::SurfaceShape& shape, const Eigen::Vector3d& along,
+                      bool backwards) const noexcept {
+    const Eigen::Vector3d across = shape.normal.cross(along);
     const double lead = backwards ? -options.lead_rad : options.lead_rad;
     const Eigen::Vector3d axis =
-        (shape->normal + std::tan(lead) * along + std::tan(options.tilt_rad) * across).normalized();
-    return Station{place, *shape, along, across, cutter.touching(shape->point, shape->normal, axis)};
+        (shape.normal + std::tan(lead) * along + std::tan(options.tilt_rad) * across).normalized();
+    return {place, shape, along, across, cutter.touching(shape.point, shape.normal, axis)};
 }
 
 }  // namespace trunnion::surfacing::detail

@@ -54,6 +54,9 @@ class Region {
     /// Distance of a point from the joints of a face, mm; infinite without any.
     double to_joint_mm(int chart, const Eigen::Vector3d& point) const noexcept;
 
+    /// Unit direction of a face's joint with another one where it is nearest to a point; nothing where they have none.
+    std::optional<Eigen::Vector3d> joint_along(int chart, int to, const Eigen::Vector3d& point) const noexcept;
+
     /// Places of a curve with those added where it crosses joints: two for one crossing, of the face before and of the
     /// one behind. `spacing`: about the distance of the places; what is much nearer to a crossing is left out.
     std::vector<Place> jointed(std::vector<Place> places, double spacing) const;
@@ -90,6 +93,8 @@ class Region {
     void add_open_borders(int chart, std::span<const Stretch* const> joined);
     std::optional<Crossing> crossed(const Place& place) const noexcept;
     static std::optional<Crossing> beyond(const Joint& joint, const Eigen::Vector2d& at) noexcept;
+    template <class Visit>
+    static void each_line(const Joint& joint, const Eigen::Vector3d& point, const Visit& visit) noexcept;
     bool joined(int a, int b) const noexcept;
     void settle(std::vector<Place>& places) const;
     void cross(const std::vector<Place>& places, std::size_t i, int depth, std::vector<Place>& out) const;

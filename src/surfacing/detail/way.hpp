@@ -116,6 +116,9 @@ struct Job {
     std::optional<Station> station_at_place(const Way& way, std::size_t i, bool backwards) const noexcept {
         return station(way.places()[i], way.slope_at_place(i), backwards);
     }
+    /// A tool that moves in a tangent direction.
+    Station standing(const Place& place, const geometry::SurfaceShape& shape, const Eigen::Vector3d& along,
+                     bool backwards) const noexcept;
     /// Ridges are planned that high.
     double ridge_mm() const noexcept { return options.scallop_mm - options.chord_tolerance_mm; }
     bool backwards(int index) const noexcept { return options.zigzag && index % 2 != 0; }
