@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -155,6 +156,24 @@ double take_in(const Job& job, int chart, Field& field) {
     return longest;
 }
 
+/// Ridges change beside a joint within about half an interval: places much farther apart than an interval miss that, and
+/// closer ones follow noise.
+double close_enough_for_joints(const Job& job, double spacing, double longest) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int chart = 0; chart < job.region.charts(); ++chart) {
+        const Eigen::Vector2d middle = 0.5 * (job.region.box(chart).low + job.region.box(chart).high);
+        const Place place{{middle.x(), middle.y()}, chart};
+        const auto shape = job.shape(place);
+        for (int k = 0; shape && k < 2; ++k) {
+            const Station at = job.standing(place, *shape, k == 0 ? shape->e1 : shape->e2, false);
+            least = std::min(least, interval_mm(job, at, at.pose.axis, at.across, job.ridge_mm()));
+        }
+    }
+    constexpr double finer = 4, coarser = 2.5;
+    return std::clamp(least, std::min(spacing, longest / (finer * places_across)),
+                      std::max(spacing, coarser * longest / places_across));
+}
+
 }  // namespace
 
 Result<Field> field_of(const Job& job) {
@@ -168,6 +187,7 @@ Result<Field> field_of(const Job& job) {
     double longest = 0;
     for (int chart = 0; chart < job.region.charts(); ++chart) longest = std::max(longest, take_in(job, chart, field));
     field.spacing_mm = std::min(std::max(2.0, spacing_share * job.cutter.radius_mm()), longest / places_across);
+    if (job.region.charts() > 1) field.spacing_mm = close_enough_for_joints(job, field.spacing_mm, longest);
     return field;
 }
 

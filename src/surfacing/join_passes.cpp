@@ -42,9 +42,12 @@ std::optional<geometry::SurfaceShape> border_near(const Face& face, const Eigen:
 
 void append(Pass& to, Pass&& from) {
     if (from.contacts.empty()) return;
-    const bool same = !to.contacts.empty() &&
-                      (from.contacts.front().point_mm - to.contacts.back().point_mm).norm() < same_mm &&
-                      geometry::angle_between(from.contacts.front().normal, to.contacts.back().normal) < 1e-4;
+    const auto are_same = [](const Contact& a, const Contact& b) {
+        constexpr double same_rad = 1e-4;
+        return (a.point_mm - b.point_mm).norm() < same_mm && geometry::angle_between(a.normal, b.normal) < same_rad &&
+               geometry::angle_between(a.pose.axis, b.pose.axis) < same_rad;
+    };
+    const bool same = !to.contacts.empty() && are_same(to.contacts.back(), from.contacts.front());
     std::move(from.contacts.begin() + (same ? 1 : 0), from.contacts.end(), std::back_inserter(to.contacts));
 }
 

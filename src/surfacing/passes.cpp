@@ -152,6 +152,22 @@ std::vector<Station> stations_on(const Job& job, const Run& run, const Span& spa
     return out;
 }
 
+/// Where a way has a corner at a joint a leaning tool turns round its contact: stations before the last one, in turns
+/// so small that the tool, its tip led straight, stays on the contact.
+std::vector<Station> turns_between(const Job& job, const Station& from, const Station& to, bool backwards) {
+    constexpr double most_rad = 0.01;
+    const double turn = geometry::angle_between(from.pose.axis, to.pose.axis);
+    std::vector<Station> out;
+    const int parts = static_cast<int>(std::ceil(turn / most_rad));
+    for (int k = 1; k < parts; ++k) {
+        const double w = static_cast<double>(k) / parts;
+        const Eigen::Vector3d along = (1 - w) * from.along + w * to.along;
+        const Eigen::Vector3d& normal = to.shape.normal;
+        out.push_back(job.standing(to.place, to.shape, (along - along.dot(normal) * normal).normalized(), backwards));
+    }
+    return out;
+}
+
 /// Parts of a span, each on one arc of the way.
 std::vector<std::pair<std::size_t, Span>> by_arcs(const Way& way, const Span& span) {
     std::vector<std::pair<std::size_t, Span>> out;
@@ -164,21 +180,35 @@ std::vector<std::pair<std::size_t, Span>> by_arcs(const Way& way, const Span& sp
     return out;
 }
 
+Result<Pass> stood(const Job& job, const std::vector<Station>& stations, int index) {
+    Pass out{.contacts = {}, .index = index};
+    for (const Station& at : stations) {
+        if (!job.options.leave_out) {
+            if (auto fits = check_fit(job, at); !fits) return fail(std::move(fits.error()));
+            if (auto clear = check_body(job, at); !clear) return fail(std::move(clear.error()));
+        }
+        out.contacts.push_back({at.place, at.shape.point, at.shape.normal, at.pose,
+                                static_cast<int>(job.region.number(at.place.chart))});
+    }
+    return out;
+}
+
 Result<Pass> pass_of(const Job& job, const Way& way, const Span& span, int index, bool backwards) {
     Pass pass{.contacts = {}, .index = index};
     auto parts = by_arcs(way, span);
     if (backwards) std::ranges::reverse(parts);
+    std::optional<Station> before;
     for (const auto& [arc, on] : parts) {
-        Pass part{.contacts = {}, .index = index};
-        for (const Station& at : stations_on(job, {way, arc, backwards}, on)) {
-            if (!job.options.leave_out) {
-                if (auto fits = check_fit(job, at); !fits) return fail(std::move(fits.error()));
-                if (auto clear = check_body(job, at); !clear) return fail(std::move(clear.error()));
-            }
-            part.contacts.push_back({at.place, at.shape.point, at.shape.normal, at.pose,
-                                     static_cast<int>(job.region.number(at.place.chart))});
+        auto stations = stations_on(job, {way, arc, backwards}, on);
+        if (stations.empty()) continue;
+        if (before) {
+            const auto turns = turns_between(job, *before, stations.front(), backwards);
+            stations.insert(stations.begin(), turns.begin(), turns.end());
         }
-        append(pass, std::move(part));
+        before = stations.back();
+        auto part = stood(job, stations, index);
+        if (!part) return fail(std::move(part.error()));
+        append(pass, std::move(*part));
     }
     return pass;
 }

@@ -120,7 +120,6 @@ class RegionPlanner {
             if (group.faces.size() > 1) {
                 const detail::Region region(faces_, group);
                 auto laid = lay({region, cutter_, options_});
-                if (!laid && std::getenv("DEB")) fmt::print("GROUP {}\n", to_string(laid.error()));
                 if (laid && laid->not_reached.empty()) {
                     take(std::move(*laid));
                     continue;

@@ -210,7 +210,7 @@ class Sweeper {
             if (!beside || *beside <= 0 || *beside >= next.length()) continue;
             const bool inside = node.inside || job_.region.contains(next.place(*beside));
             if (uniform() && !inside) continue;
-            const auto ridge = ridge_between_mm(job_, here, way.lengths()[i], there, 4 * wanted);
+            const auto ridge = highest_near(here, i, node, there, 4 * wanted);
             if (!ridge) continue;
             any = any || inside;
             if (inside && is_unbearable(job_, *ridge)) out.too_high.push_back(left_place(*node.station, next, *beside));
@@ -223,6 +223,23 @@ class Sweeper {
             if (way.leads_over(i)) out.factors[i] = out.factors[i + 1];
         if (!any) out.least_factor = 1;  // as between ways near a border that is one point: left to curvatures
         return out;
+    }
+
+    /// The ridge at a place; beside a joint, where ridges change from one place to the next, the highest up to half the
+    /// way to those.
+    std::optional<double> highest_near(const Track& here, std::size_t i, const Node& node, const Track& there,
+                                       double limit) const {
+        const std::vector<double>& s = here.way().lengths();
+        auto highest = ridge_between_mm(job_, here, s[i], there, limit);
+        if (!highest || i == 0 || i + 1 == s.size()) return highest;
+        const double off = job_.region.to_joint_mm(node.station->place.chart, node.station->shape.point);
+        if (off > std::max(2 * node.interval, field_.spacing_mm)) return highest;
+        const bool at_joint = here.way().leads_over(i - 1);
+        for (const double share : {0.25, 0.5})
+            for (const double to : {s[i - (at_joint && i > 1 ? 2 : 1)], s[i + 1]})
+                if (const auto ridge = ridge_between_mm(job_, here, s[i] + share * (to - s[i]), there, limit))
+                    highest = std::max(*highest, *ridge);
+        return highest;
     }
 
     /// A ridge up to the next way.
