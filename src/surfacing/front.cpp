@@ -156,8 +156,8 @@ double take_in(const Job& job, int chart, Field& field) {
     return longest;
 }
 
-/// Ridges change beside a joint within about half an interval: places much farther apart than an interval miss that, and
-/// closer ones follow noise.
+/// Ridges change beside a joint within about half an interval: places much farther apart than an interval miss that,
+/// and closer ones follow noise.
 double close_enough_for_joints(const Job& job, double spacing, double longest) {
     double least = std::numeric_limits<double>::infinity();
     for (int chart = 0; chart < job.region.charts(); ++chart) {

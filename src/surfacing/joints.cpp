@@ -17,7 +17,7 @@ using geometry::SurfacePlace;
 
 namespace {
 
-constexpr double gap_mm = 0.03;  ///< between borders, each drawn within 0.01 mm
+constexpr double gap_mm = 0.03;    ///< between borders, each drawn within 0.01 mm
 constexpr double apart_mm = 0.01;  ///< of a border from the other face's surface
 constexpr double smooth_rad = std::numbers::pi / 180;
 constexpr double shortest_mm = 0.3;  ///< of a joint
@@ -220,7 +220,8 @@ bool is_same(const Stretch& a, const Stretch& b) {
     const Eigen::Vector3d& middle = a.points[a.points.size() / 2].at;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 1; k < b.points.size(); ++k) {
-        const Eigen::ParametrizedLine<double, 3> line = Eigen::ParametrizedLine<double, 3>::Through(b.points[k - 1].at, b.points[k].at);
+        const Eigen::ParametrizedLine<double, 3> line =
+            Eigen::ParametrizedLine<double, 3>::Through(b.points[k - 1].at, b.points[k].at);
         const double length = (b.points[k].at - b.points[k - 1].at).norm();
         const double on = std::clamp((middle - line.origin()).dot(line.direction()), 0.0, length);
         least = std::min(least, (line.pointAt(on) - middle).norm());
@@ -284,8 +285,8 @@ class Joining {
 
     bool ends_at(const SmoothJoint& joint, const Eigen::Vector3d& point) const {
         const Stretch& on = joint.on_first;
-        return !on.closed && ((on.points.front().at - point).norm() < vertex_mm ||
-                              (on.points.back().at - point).norm() < vertex_mm);
+        return !on.closed &&
+               ((on.points.front().at - point).norm() < vertex_mm || (on.points.back().at - point).norm() < vertex_mm);
     }
 
     bool closes_round_a_point(std::size_t number) const {

@@ -187,8 +187,8 @@ Result<Pass> stood(const Job& job, const std::vector<Station>& stations, int ind
             if (auto fits = check_fit(job, at); !fits) return fail(std::move(fits.error()));
             if (auto clear = check_body(job, at); !clear) return fail(std::move(clear.error()));
         }
-        out.contacts.push_back({at.place, at.shape.point, at.shape.normal, at.pose,
-                                static_cast<int>(job.region.number(at.place.chart))});
+        out.contacts.push_back(
+            {at.place, at.shape.point, at.shape.normal, at.pose, static_cast<int>(job.region.number(at.place.chart))});
     }
     return out;
 }

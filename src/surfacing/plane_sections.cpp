@@ -63,7 +63,8 @@ class FaceSections {
         const Place from = place(i0, j0), to = place(i1, j1);
         const double share = a / (a - b);
         const Planes plane{normal_, offset};
-        const auto seed = onto_plane(job_, plane, {{from.u + share * (to.u - from.u), from.v + share * (to.v - from.v)}, 0});
+        const auto seed =
+            onto_plane(job_, plane, {{from.u + share * (to.u - from.u), from.v + share * (to.v - from.v)}, 0});
         if (!seed || !field_.holds(*seed)) return;
         const auto shape = job_.shape(*seed);
         if (!shape) return;

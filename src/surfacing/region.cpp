@@ -53,7 +53,8 @@ Region::Region(std::span<const Face> faces, const SmoothGroup& group) {
     for (const std::size_t number : group.faces) {
         const Face& face = faces[number];
         const ParameterBox box = parameter_box(face);
-        charts_.push_back({.face = &face, .number = number, .box = box, .scale = scale_of(face, box), .joints = {}, .open = {}});
+        charts_.push_back(
+            {.face = &face, .number = number, .box = box, .scale = scale_of(face, box), .joints = {}, .open = {}});
     }
     std::vector<std::vector<const Stretch*>> joined(group.faces.size());
     for (const SmoothJoint& joint : group.joints) {
@@ -146,7 +147,8 @@ std::optional<Region::Crossing> Region::beyond(const Joint& joint, const Eigen::
     const std::size_t before = joint.closed ? 0 : 1, last = joint.beyond.size() - 1;
     const bool continued = !joint.closed && (nearest == 0 || nearest + 1 == joint.lines.size());
     const std::size_t k = std::min(nearest - std::min(nearest, before), last);
-    const SurfacePlace guess = continued ? joint.beyond[k] : between(joint.beyond[k], joint.beyond[(k + 1) % joint.beyond.size()], share);
+    const SurfacePlace guess =
+        continued ? joint.beyond[k] : between(joint.beyond[k], joint.beyond[(k + 1) % joint.beyond.size()], share);
     return Crossing{&joint, guess, std::sqrt(least), continued};
 }
 
@@ -254,8 +256,7 @@ void Region::settle(std::vector<Place>& places) const {
         const std::size_t neighbour = begin > 0 ? begin - 1 : end;
         if (!near || neighbour >= places.size() || !joined(chart, places[neighbour].chart)) continue;
         const Place to = places[neighbour];
-        for (std::size_t k = begin; k < end; ++k)
-            places[k] = closest_on(to.chart, at(places[k]), to);
+        for (std::size_t k = begin; k < end; ++k) places[k] = closest_on(to.chart, at(places[k]), to);
     }
 }
 
@@ -317,7 +318,9 @@ std::vector<Place> Region::jointed(std::vector<Place> places, double spacing) co
     const auto is_joint = [&](std::size_t k) { return leads_over(k) || (k > 0 && leads_over(k - 1)); };
     const auto is_close = [&](std::size_t i) {
         if (i == 0 || i + 1 == all.size() || is_joint(i) || (is_joint(i - 1) && is_joint(i + 1))) return false;
-        const auto near = [&](std::size_t k) { return is_joint(k) && (at(all[i]) - at(all[k])).norm() < close * spacing; };
+        const auto near = [&](std::size_t k) {
+            return is_joint(k) && (at(all[i]) - at(all[k])).norm() < close * spacing;
+        };
         return near(i - 1) || near(i + 1);
     };
     std::vector<Place> out;

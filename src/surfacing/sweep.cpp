@@ -245,9 +245,8 @@ class Sweeper {
     /// A ridge up to the next way.
     LeftPlace left_place(const Station& at, const Way& next, double beside) const {
         const double apart = (job_.region.at(next.place(beside)) - at.shape.point).norm();
-        return {.at_mm = at.shape.point,
-                .face = static_cast<int>(job_.region.number(at.place.chart)),
-                .reach_mm = apart};
+        return {
+            .at_mm = at.shape.point, .face = static_cast<int>(job_.region.number(at.place.chart)), .reach_mm = apart};
     }
 
     /// Corrects the intervals of constant scallop; false where they hardly change and no ridge is too high. What means

@@ -87,8 +87,9 @@ struct Way::Piece {
 
 Way::Piece Way::piece(double s, std::size_t k, std::size_t arc) const noexcept {
     const double length = lengths_[k + 1] - lengths_[k];
-    return {as_vector(places_[k]), as_vector(places_[k + 1]), slope_within(arc, k),    slope_within(arc, k + 1),
-            length,                (s - lengths_[k]) / length, places_[k].chart};
+    return {
+        as_vector(places_[k]),      as_vector(places_[k + 1]), slope_within(arc, k), slope_within(arc, k + 1), length,
+        (s - lengths_[k]) / length, places_[k].chart};
 }
 
 Way::Piece Way::piece_at(double s) const noexcept {

@@ -19,8 +19,8 @@ struct Place : geometry::SurfacePlace {
 };
 
 /// Faces that ways run over as if they were one: a single one, or several that meet smoothly at joints. Each counts as
-/// continued beyond its borders, but not beyond its joints, behind which the neighbour begins. Where a joint ends at the
-/// border of the region it is taken to go on straight.
+/// continued beyond its borders, but not beyond its joints, behind which the neighbour begins. Where a joint ends at
+/// the border of the region it is taken to go on straight.
 ///
 /// Of one face every question is that of the face. Immutable.
 class Region {
@@ -69,8 +69,8 @@ class Region {
         int to;
         double inside;  ///< on which side of the lines the face is: +1 left, −1 right
         bool closed;
-        std::vector<Line> lines;                      ///< first and last: continued, unless closed
-        std::vector<geometry::SurfacePlace> beyond;   ///< of the neighbour, at the joint's points
+        std::vector<Line> lines;                     ///< first and last: continued, unless closed
+        std::vector<geometry::SurfacePlace> beyond;  ///< of the neighbour, at the joint's points
         std::vector<Eigen::Vector3d> points;
     };
     struct Chart {

@@ -12,9 +12,9 @@
 
 namespace trunnion::surfacing::detail {
 
-/// A curve on a region: through places, over s, the length of their polyline in space. In between cubic in (u, v) of one
-/// face. Where it crosses a joint, two places, one on either face, count as one: there it may have a corner, and ends
-/// and begins what is called an arc. On one face it is smooth.
+/// A curve on a region: through places, over s, the length of their polyline in space. In between cubic in (u, v) of
+/// one face. Where it crosses a joint, two places, one on either face, count as one: there it may have a corner, and
+/// ends and begins what is called an arc. On one face it is smooth.
 class Way {
   public:
     Way() = default;
