@@ -31,7 +31,7 @@ struct Stretch {
 
 /// Where two faces meet and their normals agree, seen from either of them.
 struct SmoothJoint {
-    std::size_t first, second;  ///< of the group
+    std::size_t first, second;  ///< of the faces, in a group of its faces
     Stretch on_first, on_second;
 };
 
@@ -41,9 +41,12 @@ struct SmoothGroup {
     std::vector<SmoothJoint> joints;
 };
 
-/// Borders that two faces share, within 0.02 mm, with normals within 1° all along, make groups of them. Joints that
-/// would close a ring of faces round a hole or an axis are left out: what is joined can be spread out like one face.
-/// Cost: some µs for each point of the borders of faces that are near each other.
+/// Borders that two faces share, within 0.03 mm and 0.01 mm off their surfaces, with normals within 1° all along. Cost:
+/// some µs for each point of the borders of faces that are near each other.
+std::vector<SmoothJoint> smooth_joints(std::span<const Face> faces);
+
+/// Groups of faces by their smooth joints. A joint that would close a ring of faces is left out, unless they lie round
+/// a point: what is joined can be spread out like one face.
 std::vector<SmoothGroup> smooth_groups(std::span<const Face> faces);
 
 /// Points all along a loop, close enough to stand for it.
