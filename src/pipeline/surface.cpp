@@ -190,6 +190,7 @@ class FreePlanning {
           tolerance_mm_(passes.gouge_tolerance_mm) {
         passes_.chord_tolerance_mm = std::min(passes.chord_tolerance_mm, freed_chord_share * tolerance_mm_);
         passes_.gouge_tolerance_mm = any_depth_mm;
+        passes_.across_joints = false;  // passes are freed face by face
     }
 
     Result<SurfaceResult> run() const {

@@ -15,7 +15,6 @@
 namespace trunnion::surfacing::detail {
 
 using Eigen::Vector3d;
-using geometry::SurfacePlace;
 
 namespace {
 
@@ -27,7 +26,7 @@ constexpr double strip_share = 0.6;
 class Strip {
   public:
     Strip(const Job& job, int face, const Way& border)
-        : job_(job), face_(face), way_(border.resampled(job.face.surface, 0.1 * job.cutter.radius_mm())) {
+        : job_(job), face_(face), way_(border.resampled(0.1 * job.cutter.radius_mm())) {
         for (const double s : way_.lengths()) {
             stations_.push_back(job.station(way_, s, false));
             if (const auto& at = stations_.back(); at && check_fit(job, *at))
@@ -72,12 +71,10 @@ class Strip {
     /// farther than the tool's end reaches.
     double width_mm(const Contact& end, const Contact& next) const {
         if (end.face != face_) return 0;
-        const auto shape = job_.shape(end.place);
+        const auto shape = job_.shape({end.place});
         if (!shape) return 0;
-        const auto s = way_.nearest(end.place, *shape);
-        if (!s) return 0;
-        const SurfacePlace there = way_.place(*s);
-        if ((job_.face.surface.at(there.u, there.v) - end.point_mm).norm() > on_border_mm) return 0;
+        const auto s = way_.nearest({end.place}, *shape);
+        if (!s || (job_.region.at(way_.place(*s)) - end.point_mm).norm() > on_border_mm) return 0;
         const Vector3d back = next.point_mm - end.point_mm;
         const Vector3d feed = (back - back.dot(shape->normal) * shape->normal).normalized();
         const Vector3d across = shape->normal.cross(feed);
@@ -95,25 +92,24 @@ class Strip {
     int inner_side(double step) const {
         const auto within = [&](int side) {
             return std::ranges::count_if(beside(side * step).places(),
-                                         [&](const SurfacePlace& place) { return contains(job_.face, place); });
+                                         [&](const Place& place) { return job_.region.contains(place); });
         };
         return within(1) >= within(-1) ? 1 : -1;
     }
 
     /// The way moved across by a distance: on the circle of the surface's curvature, then onto the surface.
     Way beside(double distance_mm) const {
-        std::vector<SurfacePlace> places;
+        std::vector<Place> places;
         for (const std::optional<Station>& at : stations_) {
             if (!at) continue;
             const double bend = at->shape.normal_curvature(at->shape.components(at->across));
             const double sine = std::clamp(0.5 * distance_mm * bend, -0.9, 0.9);
             const Vector3d way = distance_mm * std::sqrt(1 - sine * sine) * at->across;
             const Eigen::Vector2d guess = at->shape.parameters_along(way);
-            places.push_back(geometry::closest_place(job_.face.surface,
-                                                     at->shape.point + way - distance_mm * sine * at->shape.normal,
-                                                     {at->place.u + guess.x(), at->place.v + guess.y()}, 1));
+            places.push_back(job_.region.closest(at->shape.point + way - distance_mm * sine * at->shape.normal,
+                                                 {{at->place.u + guess.x(), at->place.v + guess.y()}}));
         }
-        return {job_.face.surface, std::move(places)};
+        return {job_.region, places};
     }
 
     const Job& job_;

@@ -61,14 +61,14 @@ OrientationLimits seen_from_feed(const OrientationLimits& limits, const Group& g
     return out;
 }
 
-FeedReference feed_of(const Face& face, const Cutter& cutter, const SurfaceOptions& options) {
+FeedReference feed_of(const Face& face, const SurfaceOptions& options) {
     if (options.strategy == Strategy::along_v) return {.along = FeedReference::Along::v};
     if (options.strategy == Strategy::along_u || options.strategy == Strategy::lin_koren) return {};
-    const detail::Job job{face, cutter, options};
-    const Eigen::Vector2d middle = 0.5 * (job.box.low + job.box.high);
-    const auto shape = job.shape({middle.x(), middle.y()});
+    const ParameterBox box = parameter_box(face);
+    const Eigen::Vector2d middle = 0.5 * (box.low + box.high);
+    const auto shape = shape_at(face.surface, {middle.x(), middle.y()}, face.side);
     if (!shape) return {};
-    return {.along = FeedReference::Along::direction, .direction = detail::feed_in_middle(job, *shape)};
+    return {.along = FeedReference::Along::direction, .direction = detail::feed_in_middle(options, *shape)};
 }
 
 /// Of the contacts of a pass, which stay among those of the pass as it is laid anew, in their order.
@@ -100,7 +100,7 @@ class Freeing {
             const SurfaceOptions& options, const FreeingOptions& freeing, const Cutter& body)
         : faces_(faces), cutter_(cutter), body_(body), part_(part), options_(options), freeing_(freeing) {
         out_.plan = std::move(plan);
-        for (const Face& face : faces) feeds_.push_back(feed_of(face, cutter, options));
+        for (const Face& face : faces) feeds_.push_back(feed_of(face, options));
     }
 
     Result<FreedPlan> run() {

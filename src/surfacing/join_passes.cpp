@@ -20,12 +20,6 @@ bool goes_on(const Pass& before, const Pass& after) {
            geometry::angle_between(begin.normal, end.normal) < corner_rad;
 }
 
-void append(Pass& to, Pass&& from) {
-    const bool same = (from.contacts.front().point_mm - to.contacts.back().point_mm).norm() < same_mm &&
-                      geometry::angle_between(from.contacts.front().normal, to.contacts.back().normal) < 1e-4;
-    std::move(from.contacts.begin() + (same ? 1 : 0), from.contacts.end(), std::back_inserter(to.contacts));
-}
-
 /// The place of a face's border that is nearest to a point, if within the gap.
 std::optional<geometry::SurfaceShape> border_near(const Face& face, const Eigen::Vector3d& point) {
     double least = gap_mm;
@@ -45,6 +39,17 @@ std::optional<geometry::SurfaceShape> border_near(const Face& face, const Eigen:
 }
 
 }  // namespace
+
+void append(Pass& to, Pass&& from) {
+    if (from.contacts.empty()) return;
+    const auto are_same = [](const Contact& a, const Contact& b) {
+        constexpr double same_rad = 1e-4;
+        return (a.point_mm - b.point_mm).norm() < same_mm && geometry::angle_between(a.normal, b.normal) < same_rad &&
+               geometry::angle_between(a.pose.axis, b.pose.axis) < same_rad;
+    };
+    const bool same = !to.contacts.empty() && are_same(to.contacts.back(), from.contacts.front());
+    std::move(from.contacts.begin() + (same ? 1 : 0), from.contacts.end(), std::back_inserter(to.contacts));
+}
 
 void join_passes(std::vector<Pass>& passes) {
     for (std::size_t i = 0; i < passes.size();) {

@@ -17,10 +17,11 @@ double interval_mm(const Job& job, const Station& at, const Eigen::Vector3d& axi
 Result<std::vector<Node>> nodes_of(const Job& job, const Way& way, bool backwards, double correction) {
     std::vector<Node> nodes(way.places().size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (way.leads_over(i)) continue;
         Node& node = nodes[i];
-        node.station = job.station(way, way.lengths()[i], backwards);
+        node.station = job.station_at_place(way, i, backwards);
         if (!node.station) continue;
-        node.inside = contains(job.face, way.places()[i]);
+        node.inside = job.region.contains(way.places()[i]);
         if (node.inside)
             if (auto fits = check_fit(job, *node.station); !fits) {
                 if (!job.options.leave_out) return fail(std::move(fits.error()));

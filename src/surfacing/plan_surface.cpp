@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -16,7 +17,7 @@
 
 #include "detail/border_strip.hpp"
 #include "detail/join_passes.hpp"
-#include "detail/node.hpp"
+#include "detail/joints.hpp"
 #include "detail/passes.hpp"
 #include "detail/plane_sections.hpp"
 #include "detail/sweep.hpp"
@@ -67,14 +68,15 @@ class RegionPlanner {
   public:
     RegionPlanner(std::span<const Face> faces, const Cutter& cutter, const SurfaceOptions& options)
         : faces_(faces), cutter_(cutter), options_(options) {
-        for (const Face& face : faces) jobs_.push_back({face, cutter, options});
+        for (std::size_t k = 0; k < faces.size(); ++k) regions_.emplace_back(faces[k], k);
+        for (const detail::Region& region : regions_) jobs_.push_back({region, cutter, options});
         plan_.least_interval_mm = std::numeric_limits<double>::infinity();
     }
 
     Result<SurfacePlan> run() {
         for (std::size_t k = 0; k < faces_.size(); ++k)
             if (auto sided = detail::check_side(faces_[k]); !sided) return refused(k, std::move(sided.error()));
-        auto laid = options_.strategy == Strategy::parallel_planes ? by_planes() : face_by_face();
+        auto laid = options_.strategy == Strategy::parallel_planes ? by_planes() : by_groups();
         if (!laid) return fail(std::move(laid.error()));
         if (options_.borders)
             if (auto done = along_borders(); !done) return fail(std::move(done.error()));
@@ -97,21 +99,18 @@ class RegionPlanner {
         plan_.highest_ridge_mm = std::max(plan_.highest_ridge_mm, highest_ridge);
     }
 
-    /// Lin and Koren's rule lays passes without looking at their ridges: the highest one above the scallop is told.
-    void tell_ridge(std::size_t face, const detail::Sweep& sweep) {
-        const double ridge_mm = sweep.highest_ridge_mm;
-        if (options_.strategy != Strategy::lin_koren || !detail::is_unbearable(jobs_[face], ridge_mm)) return;
-        if (ridge_mm < plan_.highest_ridge_mm) return;
-        const Eigen::Vector3d& at = sweep.highest_ridge_at_mm;
+    void tell_rule(const detail::Sweep& sweep) {
+        if (sweep.rule_ridge_mm <= told_ridge_mm_) return;
+        told_ridge_mm_ = sweep.rule_ridge_mm;
+        const Eigen::Vector3d& at = sweep.rule_ridge_at_mm;
         plan_.program.diagnostics = {
             {.code = "SURF0212",
              .severity = Severity::warning,
-             .text =
-                 fmt::format("Lin and Koren's rule leaves higher ridges than asked for, near ({:.3f} {:.3f} {:.3f})",
-                             at.x(), at.y(), at.z()),
-             .value = fmt::format("{:.4g} mm", ridge_mm),
-             .limit = fmt::format("{:.4g} mm", options_.scallop_mm),
-             .hint = "along-u keeps the scallop with passes as even"}};
+             .text = fmt::format("passes by Lin and Koren's rule would leave higher ridges than asked for, most near "
+                                 "({:.3f} {:.3f} {:.3f}); they are closer there",
+                                 at.x(), at.y(), at.z()),
+             .value = fmt::format("{:.4g} mm", told_ridge_mm_),
+             .limit = fmt::format("{:.4g} mm", options_.scallop_mm)}};
     }
 
     std::unexpected<Diagnostic> refused(std::size_t face, Diagnostic refusal) const {
@@ -119,44 +118,69 @@ class RegionPlanner {
         return fail(std::move(refusal));
     }
 
-    Result<void> append(std::size_t face, const detail::Way& way, int index, std::vector<Pass>& out) const {
-        const std::size_t first = out.size();
-        if (auto done = detail::append_passes(jobs_[face], way, index, out); !done)
-            return refused(face, std::move(done.error()));
-        for (std::size_t k = first; k < out.size(); ++k)
-            for (Contact& contact : out[k].contacts) contact.face = static_cast<int>(face);
-        return {};
-    }
+    /// What is laid over one region.
+    struct Laid {
+        detail::Sweep sweep;
+        std::vector<Pass> passes;
+        std::vector<LeftPlace> not_reached;
+    };
 
-    /// Indices of every face follow those of the one before with a gap, so that no link joins two faces.
-    Result<void> face_by_face() {
-        int next_index = 0;
-        for (std::size_t k = 0; k < faces_.size(); ++k) {
-            auto ways = detail::sweep(jobs_[k]);
-            if (!ways) return refused(k, std::move(ways.error()));
-            account(ways->least_interval_mm, ways->largest_interval_mm, ways->highest_ridge_mm);
-            tell_ridge(k, *ways);
-            for (LeftPlace place : ways->too_high) {
-                place.face = static_cast<int>(k);
-                plan_.left.push_back(place);
+    /// Faces that meet smoothly have passes in common. Where the march does not get all over them, each has its own.
+    Result<void> by_groups() {
+        const bool goes_on =
+            options_.strategy == Strategy::constant_scallop && options_.across_joints && faces_.size() > 1;
+        if (goes_on) groups_ = detail::smooth_groups(faces_);
+        for (std::size_t k = 0; !goes_on && k < faces_.size(); ++k) groups_.push_back({.faces = {k}, .joints = {}});
+        for (detail::SmoothGroup& group : groups_) {
+            if (group.faces.size() > 1) {
+                const detail::Region region(faces_, group);
+                auto laid = lay({region, cutter_, options_});
+                if (laid && laid->not_reached.empty()) {
+                    take(std::move(*laid));
+                    continue;
+                }
+                group.joints.clear();
             }
-            if (auto covered = check_cover(k, *ways); !covered) return covered;
-            const int shift = next_index - ways->ways.front().index;
-            const std::size_t first = plan_.passes.size();
-            for (const auto& [way, index] : ways->ways)
-                if (auto done = append(k, way, index, plan_.passes); !done) return done;
-            for (std::size_t i = first; i < plan_.passes.size(); ++i) plan_.passes[i].index += shift;
-            next_index += static_cast<int>(ways->ways.size()) + 1;
+            for (const std::size_t k : group.faces) {
+                auto laid = lay(jobs_[k]);
+                if (!laid) return refused(k, std::move(laid.error()));
+                take(std::move(*laid));
+            }
         }
         return {};
     }
 
+    Result<Laid> lay(const detail::Job& job) const {
+        auto ways = detail::sweep(job);
+        if (!ways) return fail(std::move(ways.error()));
+        Laid out{.sweep = std::move(*ways), .passes = {}, .not_reached = {}};
+        for (int chart = 0; chart < job.region.charts(); ++chart)
+            if (auto covered = check_cover(job.region, chart, out); !covered) return fail(std::move(covered.error()));
+        for (const auto& [way, index] : out.sweep.ways)
+            if (auto done = detail::append_passes(job, way, index, out.passes); !done)
+                return fail(std::move(done.error()));
+        return out;
+    }
+
+    /// Indices follow those of what was laid before with a gap, so that no link joins the two.
+    void take(Laid laid) {
+        const detail::Sweep& sweep = laid.sweep;
+        account(sweep.least_interval_mm, sweep.largest_interval_mm, sweep.highest_ridge_mm);
+        tell_rule(sweep);
+        plan_.left.insert(plan_.left.end(), sweep.too_high.begin(), sweep.too_high.end());
+        std::ranges::move(laid.not_reached, std::back_inserter(plan_.left));
+        const int shift = next_index_ - sweep.ways.front().index;
+        for (Pass& pass : laid.passes) pass.index += shift;
+        std::ranges::move(laid.passes, std::back_inserter(plan_.passes));
+        next_index_ += static_cast<int>(sweep.ways.size()) + 1;
+    }
+
     /// Whether the march got everywhere: it ends early where the surface turns away faster than passes can follow, or
     /// where the tool fits nowhere. With leave_out such places are left.
-    Result<void> check_cover(std::size_t number, const detail::Sweep& sweep) {
-        const Face& face = faces_[number];
-        const ParameterBox& box = jobs_[number].box;
-        const double farthest = 1.5 * std::max(sweep.largest_interval_mm, 0.1 * cutter_.radius_mm());
+    Result<void> check_cover(const detail::Region& region, int chart, Laid& laid) const {
+        const Face& face = region.face(chart);
+        const ParameterBox& box = region.box(chart);
+        const double farthest = 1.5 * std::max(laid.sweep.largest_interval_mm, 0.1 * cutter_.radius_mm());
         constexpr int grid = 24;
         const Eigen::Vector2d cell = (box.high - box.low) / grid;
         for (int i = 0; i < grid * grid; ++i) {
@@ -165,15 +189,16 @@ class RegionPlanner {
             if (!contains(face, place)) continue;
             const Eigen::Vector3d point = face.surface.at(place.u, place.v);
             double nearest = std::numeric_limits<double>::infinity();
-            for (const detail::SweepWay& one : sweep.ways) {
+            for (const detail::SweepWay& one : laid.sweep.ways) {
                 nearest = std::min(nearest, one.way.distance_mm(point));
                 if (nearest <= farthest) break;
             }
             if (nearest <= farthest) continue;
-            if (!options_.leave_out) return refused(number, not_reached(point, farthest));
+            if (!options_.leave_out) return fail(not_reached(point, farthest));
             const Eigen::Vector3d corner = face.surface.at(place.u + 0.5 * cell.x(), place.v + 0.5 * cell.y());
-            plan_.left.push_back(
-                {.at_mm = point, .face = static_cast<int>(number), .reach_mm = nearest + (corner - point).norm()});
+            laid.not_reached.push_back({.at_mm = point,
+                                        .face = static_cast<int>(region.number(chart)),
+                                        .reach_mm = nearest + (corner - point).norm()});
         }
         return {};
     }
@@ -197,7 +222,8 @@ class RegionPlanner {
             std::vector<Pass> row;
             for (; end < sections->ways.size() && sections->ways[end].index == sections->ways[begin].index; ++end) {
                 const detail::SectionWay& one = sections->ways[end];
-                if (auto done = append(one.face, one.way, one.index, row); !done) return done;
+                if (auto done = detail::append_passes(jobs_[one.face], one.way, one.index, row); !done)
+                    return refused(one.face, std::move(done.error()));
             }
             detail::join_passes(row);
             for (Pass& pass : row) pass.index -= first;
@@ -209,7 +235,6 @@ class RegionPlanner {
     Result<void> along_borders() {
         for (std::size_t k = 0; k < faces_.size(); ++k) {
             const bool goes_on = options_.strategy == Strategy::parallel_planes;
-            const std::size_t first = plan_.passes.size();
             std::vector<detail::Way> ends;  // borders where passes of this face end
             // A border that two faces share has its pass once, or none where passes go on over it.
             const auto wanted = [&](const detail::Way& way) {
@@ -217,14 +242,23 @@ class RegionPlanner {
                 if (!(shared && goes_on)) ends.push_back(way);
                 return !shared;
             };
-            if (auto done = detail::append_border_passes(jobs_[k], wanted, plan_.passes); !done)
+            if (auto done = detail::append_border_passes(jobs_[k], joints_of(k), wanted, plan_.passes); !done)
                 return refused(k, std::move(done.error()));
             if (auto done = detail::append_strip_passes(jobs_[k], static_cast<int>(k), ends, plan_.passes); !done)
                 return refused(k, std::move(done.error()));
-            for (std::size_t i = first; i < plan_.passes.size(); ++i)
-                for (Contact& contact : plan_.passes[i].contacts) contact.face = static_cast<int>(k);
         }
         return {};
+    }
+
+    /// Where passes go on from a face to others.
+    std::vector<const detail::Stretch*> joints_of(std::size_t face) const {
+        std::vector<const detail::Stretch*> out;
+        for (const detail::SmoothGroup& group : groups_)
+            for (const detail::SmoothJoint& joint : group.joints) {
+                if (group.faces[joint.first] == face) out.push_back(&joint.on_first);
+                if (group.faces[joint.second] == face) out.push_back(&joint.on_second);
+            }
+        return out;
     }
 
     /// The tool on one face against all the others.
@@ -254,7 +288,11 @@ class RegionPlanner {
     std::span<const Face> faces_;
     const Cutter& cutter_;
     const SurfaceOptions& options_;
-    std::vector<detail::Job> jobs_;
+    std::deque<detail::Region> regions_;  ///< one a face
+    std::vector<detail::Job> jobs_;       ///< one a face
+    std::vector<detail::SmoothGroup> groups_;
+    int next_index_ = 0;
+    double told_ridge_mm_ = 0;
     SurfacePlan plan_;
 };
 

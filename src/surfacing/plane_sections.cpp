@@ -15,19 +15,16 @@
 
 namespace trunnion::surfacing::detail {
 
-using geometry::SurfacePlace;
-
 namespace {
 
 /// Where the planes of one direction cut one face.
 class FaceSections {
   public:
     FaceSections(const Job& job, Field field, Eigen::Vector3d normal)
-        : job_(job), field_(field), normal_(std::move(normal)) {
+        : job_(job), field_(std::move(field)), normal_(std::move(normal)) {
         for (int i = 0; i <= parts; ++i)
             for (int j = 0; j <= parts; ++j) {
-                const SurfacePlace at = place(i, j);
-                offsets_.push_back(normal_.dot(job_.face.surface.at(at.u, at.v)));
+                offsets_.push_back(normal_.dot(job_.region.at(place(i, j))));
             }
         const auto [low, high] = std::ranges::minmax_element(offsets_);
         low_ = *low, high_ = *high;
@@ -50,9 +47,10 @@ class FaceSections {
   private:
     static constexpr int parts = 40;
 
-    SurfacePlace place(int i, int j) const {
-        const Eigen::Vector2d size = field_.box.high - field_.box.low;
-        return {field_.box.low.x() + size.x() * i / parts, field_.box.low.y() + size.y() * j / parts};
+    Place place(int i, int j) const {
+        const ParameterBox& box = field_.boxes.front();
+        const Eigen::Vector2d size = box.high - box.low;
+        return {{box.low.x() + size.x() * i / parts, box.low.y() + size.y() * j / parts}, 0};
     }
     double offset_at(int i, int j) const {
         return offsets_[static_cast<std::size_t>(i) * (parts + 1) + static_cast<std::size_t>(j)];
@@ -62,10 +60,11 @@ class FaceSections {
     void across(double offset, int i0, int j0, int i1, int j1, std::vector<Way>& out) const {
         const double a = offset_at(i0, j0) - offset, b = offset_at(i1, j1) - offset;
         if ((a > 0) == (b > 0)) return;
-        const SurfacePlace from = place(i0, j0), to = place(i1, j1);
+        const Place from = place(i0, j0), to = place(i1, j1);
         const double share = a / (a - b);
         const Planes plane{normal_, offset};
-        const auto seed = onto_plane(job_, plane, {from.u + share * (to.u - from.u), from.v + share * (to.v - from.v)});
+        const auto seed =
+            onto_plane(job_, plane, {{from.u + share * (to.u - from.u), from.v + share * (to.v - from.v)}, 0});
         if (!seed || !field_.holds(*seed)) return;
         const auto shape = job_.shape(*seed);
         if (!shape) return;
@@ -204,7 +203,7 @@ class PlaneSweep {
             if (!station) continue;
             const auto beside = other.way.nearest(station->place, station->shape);
             if (!beside || *beside <= 0 || *beside >= other.way.length()) continue;
-            if (!contains(job.face, station->place) && !contains(job.face, other.way.place(*beside))) continue;
+            if (!job.region.contains(station->place) && !job.region.contains(other.way.place(*beside))) continue;
             // Another part of the face's section is not beside this one.
             const double apart = other.way.distance_mm(station->shape.point);
             if (apart > 3 * job.cutter.radius_mm()) continue;
@@ -228,7 +227,7 @@ class PlaneSweep {
             for (const double s : one.way.lengths()) {
                 const Job& job = faces_[one.face].job();
                 const auto station = job.station(one.way, s, false);
-                if (!station || !contains(job.face, station->place)) continue;
+                if (!station || !job.region.contains(station->place)) continue;
                 const double interval = step / across(*station);
                 out_.least_interval_mm = std::min(out_.least_interval_mm, interval);
                 out_.largest_interval_mm = std::max(out_.largest_interval_mm, interval);
@@ -251,8 +250,8 @@ Result<PlaneSections> plane_sections(std::span<const Job> jobs) {
         if (!field) return fail(std::move(field.error()));
         fields.push_back(*field);
     }
-    const geometry::SurfaceShape middle = *jobs.front().shape({fields.front().middle.x(), fields.front().middle.y()});
-    const Eigen::Vector3d normal = middle.normal.cross(feed_in_middle(jobs.front(), middle));
+    const geometry::SurfaceShape middle = *jobs.front().shape(fields.front().middle);
+    const Eigen::Vector3d normal = middle.normal.cross(feed_in_middle(jobs.front().options, middle));
     std::vector<FaceSections> faces;
     for (std::size_t k = 0; k < jobs.size(); ++k) faces.emplace_back(jobs[k], fields[k], normal);
     PlaneSections out;

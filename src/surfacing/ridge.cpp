@@ -6,15 +6,25 @@
 namespace trunnion::surfacing::detail {
 
 Track::Track(const Job& job, const Way& way, bool backwards) : way_(&way), nodes_(way.places().size()) {
-    const std::vector<double>& s = way.lengths();
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-        if (const auto station = job.station(way, s[i], backwards)) {
+        if (const auto station = job.station_at_place(way, i, backwards)) {
             nodes_[i].pose = station->pose;
             nodes_[i].sound = true;
         }
-    // Of the parabola through a node and its neighbours.
-    for (std::size_t i = 0; i < nodes_.size() && nodes_.size() > 2; ++i) {
-        const std::size_t k = std::clamp<std::size_t>(i, 1, nodes_.size() - 2);
+    for (std::size_t arc = 0; arc < way.arcs(); ++arc) lead(way.arc_begin(arc), way.arc_end(arc));
+}
+
+/// Slopes of an arc: of the parabola through a node and its neighbours.
+void Track::lead(std::size_t begin, std::size_t end) {
+    const std::vector<double>& s = way_->lengths();
+    if (end - begin == 2)
+        for (const std::size_t i : {begin, begin + 1}) {
+            const double length = s[begin + 1] - s[begin];
+            nodes_[i].tip_slope = (nodes_[begin + 1].pose.tip_mm - nodes_[begin].pose.tip_mm) / length;
+            nodes_[i].axis_slope = (nodes_[begin + 1].pose.axis - nodes_[begin].pose.axis) / length;
+        }
+    for (std::size_t i = begin; i < end && end - begin > 2; ++i) {
+        const std::size_t k = std::clamp<std::size_t>(i, begin + 1, end - 2);
         const double before = s[k] - s[k - 1], after = s[k + 1] - s[k], at = s[i] - s[k];
         const auto slope = [&](const auto& of) -> Eigen::Vector3d {
             const Eigen::Vector3d rise = (of(k) - of(k - 1)) / before, next = (of(k + 1) - of(k)) / after;
@@ -116,17 +126,22 @@ class Cover {
 
 std::optional<double> ridge_between_mm(const Job& job, const Track& first, double s, const Track& second,
                                        double limit) {
-    const geometry::SurfacePlace a = first.way().place(s);
+    const Place a = first.way().place(s);
     const auto from = job.shape(a);
     if (!from) return std::nullopt;
     const auto on_second = second.way().nearest(a, *from);
     if (!on_second) return std::nullopt;
-    const geometry::SurfacePlace b = second.way().place(*on_second);
-    const double reach = 1.1 * job.cutter.radius_mm() + (job.face.surface.at(b.u, b.v) - from->point).norm();
+    const Place b = second.way().place(*on_second);
+    const Eigen::Vector3d across = job.region.at(b) - from->point;
+    const double reach = 1.1 * job.cutter.radius_mm() + across.norm();
     const Cover one(job.cutter, first, s, reach, limit), other(job.cutter, second, *on_second, reach, limit);
+    const auto between = [&](double part) -> Place {
+        if (a.chart == b.chart) return {{a.u + part * (b.u - a.u), a.v + part * (b.v - a.v)}, a.chart};
+        return job.region.closest(from->point + part * across, part < 0.5 ? a : b);
+    };
     double low = 0, high = 1, share = 0.5, ridge = 0;
     for (int step = 0; step < 16; ++step) {
-        const auto at = job.shape({a.u + share * (b.u - a.u), a.v + share * (b.v - a.v)});
+        const auto at = job.shape(between(share));
         if (!at) return std::nullopt;
         const auto of_one = one.height(*at), of_other = other.height(*at);
         if (!of_one || !of_other) return std::nullopt;

@@ -14,8 +14,6 @@
 
 namespace trunnion::surfacing::detail {
 
-using geometry::SurfacePlace;
-
 namespace {
 
 /// One way after the other, to one side of the start.
@@ -31,6 +29,7 @@ class Sweeper {
         for (int count = 0; count < most_ways; ++count, index += side) {
             auto nodes = nodes_of(job_, way, job_.backwards(index), uniform() ? correction_ : 1);
             if (!nodes) return fail(std::move(nodes.error()));
+            if (!uniform()) blend_over_joints(*nodes);
             auto next = next_way(way, index, *nodes);
             if (!next) return fail(std::move(next.error()));
             if (!*next || !reaches_box(**next)) return {};
@@ -62,7 +61,7 @@ class Sweeper {
     /// Of what the strategy counts in, where nothing on the first way asks for a step.
     double first_step() const {
         constexpr double share = 0.01;
-        const Eigen::Vector2d size = job_.box.high - job_.box.low;
+        const Eigen::Vector2d size = job_.region.box(0).high - job_.region.box(0).low;
         switch (job_.options.strategy) {
             case Strategy::along_u:
                 return share * size.y();
@@ -87,6 +86,13 @@ class Sweeper {
         return std::isfinite(anywhere) ? anywhere : last_step_;
     }
 
+    /// The axis that leans in another frame as it does in the station's.
+    static Eigen::Vector3d axis_in(const Station& at, const Eigen::Vector3d& normal, const Eigen::Vector3d& along,
+                                   const Eigen::Vector3d& across) {
+        return at.pose.axis.dot(at.shape.normal) * normal + at.pose.axis.dot(at.along) * along +
+               at.pose.axis.dot(at.across) * across;
+    }
+
     /// How far the place of the next pass that belongs to a place is ahead along the way, for one unit across it: as
     /// rays of a wave front that is as fast in each direction as the interval is long, by the logarithmic derivative of
     /// the interval by the direction. Where the tool's curvature does not turn with the feed that is the direction d
@@ -97,22 +103,46 @@ class Sweeper {
         const auto turned = [&](double angle) {
             const Eigen::Vector3d across = std::cos(angle) * at.across + std::sin(angle) * at.along;
             const Eigen::Vector3d along = std::cos(angle) * at.along - std::sin(angle) * at.across;
-            const Eigen::Vector3d axis = at.pose.axis.dot(at.shape.normal) * at.shape.normal +
-                                         at.pose.axis.dot(at.along) * along + at.pose.axis.dot(at.across) * across;
-            return interval_mm(job_, at, axis, across, job_.ridge_mm());
+            return interval_mm(job_, at, axis_in(at, at.shape.normal, along, across), across, job_.ridge_mm());
         };
         return (turned(turn_rad) - turned(-turn_rad)) / (2 * turn_rad * turned(0));
     }
 
-    SurfacePlace offset(const Station& at, double interval) const {
+    Place offset(const Station& at, double interval) const {
         // On the circle of the surface's curvature across the way, then onto the surface.
         const double bend = at.shape.normal_curvature(at.shape.components(at.across));
         const double sine = std::clamp(0.5 * interval * bend, -0.9, 0.9), cosine = std::sqrt(1 - sine * sine);
         const Eigen::Vector3d across = side_ * interval * cosine * at.across;
         const Eigen::Vector3d way = across + (uniform() ? 0 : side_ * interval * shear(at)) * at.along;
         const Eigen::Vector2d guess = at.shape.parameters_along(way);
-        return geometry::closest_place(job_.face.surface, at.shape.point + way - interval * sine * at.shape.normal,
-                                       {at.place.u + guess.x(), at.place.v + guess.y()}, 1);
+        return job_.region.closest(at.shape.point + way - interval * sine * at.shape.normal,
+                                   {{at.place.u + guess.x(), at.place.v + guess.y()}, at.place.chart});
+    }
+
+    /// Beyond a joint curvatures are others: of an interval that leads over one, each part counts with its face.
+    void blend_over_joints(std::vector<Node>& nodes) const {
+        for (Node& node : nodes) {
+            if (!node.station || job_.region.charts() == 1) continue;
+            const Station& at = *node.station;
+            const Place there = offset(at, node.interval * node.correction);
+            if (there.chart == at.place.chart) continue;
+            const auto shape = job_.shape(there);
+            if (!shape) continue;
+            const Eigen::Vector3d way = job_.region.at(there) - at.shape.point;
+            double low = 0, high = 1;
+            for (int halving = 0; halving < 12; ++halving) {
+                const double middle = 0.5 * (low + high);
+                const Place on = job_.region.closest(at.shape.point + middle * way, at.place);
+                (on.chart == at.place.chart ? low : high) = middle;
+            }
+            Station beyond = at;
+            beyond.shape = *shape;
+            const Eigen::Vector3d along = (at.along - at.along.dot(shape->normal) * shape->normal).normalized();
+            const Eigen::Vector3d across = shape->normal.cross(along);
+            const double beyond_mm =
+                interval_mm(job_, beyond, axis_in(at, shape->normal, along, across), across, job_.ridge_mm());
+            node.interval = low * node.interval + (1 - low) * beyond_mm;
+        }
     }
 
     /// `step`: of uniform strategies.
@@ -122,7 +152,7 @@ class Sweeper {
             next_parameter_ = parameter_ + step;
             return parameter_way(job_, field_, strategy == Strategy::along_u, next_parameter_);
         }
-        std::vector<std::optional<SurfacePlace>> moved;
+        std::vector<std::optional<Place>> moved;
         for (const Node& node : nodes) {
             moved.emplace_back();
             if (!node.station) continue;
@@ -178,9 +208,9 @@ class Sweeper {
             if (!node.station) continue;
             const auto beside = next.nearest(node.station->place, node.station->shape);
             if (!beside || *beside <= 0 || *beside >= next.length()) continue;
-            const bool inside = node.inside || contains(job_.face, next.place(*beside));
+            const bool inside = node.inside || job_.region.contains(next.place(*beside));
             if (uniform() && !inside) continue;
-            const auto ridge = ridge_between_mm(job_, here, way.lengths()[i], there, 4 * wanted);
+            const auto ridge = highest_near(here, i, node, there, 4 * wanted);
             if (!ridge) continue;
             any = any || inside;
             if (inside && is_unbearable(job_, *ridge)) out.too_high.push_back(left_place(*node.station, next, *beside));
@@ -189,15 +219,34 @@ class Sweeper {
             out.factors[i] = interval_factor(job_, *node.station, *ridge, wanted);
             if (inside) out.least_factor = std::min(out.least_factor, out.factors[i]);
         }
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            if (way.leads_over(i)) out.factors[i] = out.factors[i + 1];
         if (!any) out.least_factor = 1;  // as between ways near a border that is one point: left to curvatures
         return out;
     }
 
+    /// The ridge at a place; beside a joint, where ridges change from one place to the next, the highest up to half the
+    /// way to those.
+    std::optional<double> highest_near(const Track& here, std::size_t i, const Node& node, const Track& there,
+                                       double limit) const {
+        const std::vector<double>& s = here.way().lengths();
+        auto highest = ridge_between_mm(job_, here, s[i], there, limit);
+        if (!highest || i == 0 || i + 1 == s.size()) return highest;
+        const double off = job_.region.to_joint_mm(node.station->place.chart, node.station->shape.point);
+        if (off > std::max(2 * node.interval, field_.spacing_mm)) return highest;
+        const bool at_joint = here.way().leads_over(i - 1);
+        for (const double share : {0.25, 0.5})
+            for (const double to : {s[i - (at_joint && i > 1 ? 2 : 1)], s[i + 1]})
+                if (const auto ridge = ridge_between_mm(job_, here, s[i] + share * (to - s[i]), there, limit))
+                    highest = std::max(*highest, *ridge);
+        return highest;
+    }
+
     /// A ridge up to the next way.
     LeftPlace left_place(const Station& at, const Way& next, double beside) const {
-        const SurfacePlace there = next.place(beside);
-        const double apart = (job_.face.surface.at(there.u, there.v) - at.shape.point).norm();
-        return {.at_mm = at.shape.point, .reach_mm = apart};
+        const double apart = (job_.region.at(next.place(beside)) - at.shape.point).norm();
+        return {
+            .at_mm = at.shape.point, .face = static_cast<int>(job_.region.number(at.place.chart)), .reach_mm = apart};
     }
 
     /// Corrects the intervals of constant scallop; false where they hardly change and no ridge is too high. What means
@@ -219,13 +268,11 @@ class Sweeper {
         if (!found) return fail(std::move(found.error()));
         if (!*found) return std::nullopt;
         const Ridges& ridges = (*found)->ridges;
-        const bool corrects = job_.options.strategy != Strategy::lin_koren;
-        if (corrects && job_.options.leave_out)
+        if (job_.options.leave_out)
             out_.too_high.insert(out_.too_high.end(), ridges.too_high.begin(), ridges.too_high.end());
-        else if (corrects)
-            if (auto kept = check_ridge(job_, ridges.highest, ridges.highest_at); !kept)
-                return fail(std::move(kept.error()));
-        account(way, nodes, (*found)->step, ridges);
+        else if (auto kept = check_ridge(job_, ridges.highest, ridges.highest_at); !kept)
+            return fail(std::move(kept.error()));
+        account(way, nodes, (*found)->step, ridges.highest);
         parameter_ = next_parameter_;
         return std::move((*found)->way);
     }
@@ -259,18 +306,20 @@ class Sweeper {
     }
 
     /// One step for all places, so that the highest ridge is the wanted one or just below it: after the last attempt
-    /// the widest step whose ridges were no higher.
+    /// the widest step whose ridges were no higher. Lin and Koren's step is made smaller only.
     Result<std::optional<Laid>> next_alike(const Way& way, int index, std::vector<Node>& nodes) {
         const double wanted = job_.ridge_mm(), aim = (1 - ridge_accuracy) * wanted, first = uniform_step(nodes);
         StepBracket known;
         double step = first;
-        bool last = job_.options.strategy == Strategy::lin_koren;
+        const bool by_rule = job_.options.strategy == Strategy::lin_koren;
+        bool last = false;
         for (int attempt = 0;; ++attempt) {
             auto next = laid(way, index, nodes, step, aim);
             if (!next || !*next) return next;
             const Ridges& ridges = (*next)->ridges;
-            const bool low_enough = ridges.highest <= wanted;
-            const bool close = low_enough && ridges.highest > wanted * (1 - 2 * ridge_accuracy);
+            const bool low_enough = ridges.highest <= (by_rule ? 1 + 0.5 * ridge_accuracy : 1) * wanted;
+            const bool close = low_enough && (by_rule || ridges.highest > wanted * (1 - 2 * ridge_accuracy));
+            if (by_rule && attempt == 0 && !low_enough) tell_rule(ridges);
             if (!last && !close && !(low_enough && attempt + 1 >= most_attempts)) {
                 known.narrow(step, ridges.highest, wanted);
                 const double better =
@@ -287,9 +336,15 @@ class Sweeper {
                 }
             }
             last_step_ = step;
-            correction_ *= step / first;
+            if (!by_rule) correction_ *= step / first;
             return next;
         }
+    }
+
+    void tell_rule(const Ridges& ridges) const {
+        if (ridges.highest <= out_.rule_ridge_mm) return;
+        out_.rule_ridge_mm = ridges.highest;
+        out_.rule_ridge_at_mm = ridges.highest_at;
     }
 
     Result<void> spend(std::size_t places) {
@@ -323,16 +378,14 @@ class Sweeper {
         return uniform_step(nodes);
     }
 
-    void account(const Way& way, const std::vector<Node>& nodes, double step, const Ridges& ridges) const {
-        if (ridges.highest > out_.highest_ridge_mm) {
-            out_.highest_ridge_mm = ridges.highest;
-            out_.highest_ridge_at_mm = ridges.highest_at;
-        }
+    void account(const Way& way, const std::vector<Node>& nodes, double step, double highest) const {
+        out_.highest_ridge_mm = std::max(out_.highest_ridge_mm, highest);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Node& node = nodes[i];
-            if (!node.station || !is_in_box(node.station->place)) continue;
+            if (!node.station || !job_.region.is_in_box(node.station->place)) continue;
             const double interval = uniform() ? step * rate(*node.station) : node.interval * node.correction;
-            const double length = way.lengths()[i] - (i > 0 ? way.lengths()[i - 1] : 0);
+            const std::size_t before = i > 1 && way.leads_over(i - 1) ? i - 2 : i - 1;
+            const double length = way.lengths()[i] - (i > 0 ? way.lengths()[before] : 0);
             out_.covered_mm2 += interval * length;
             if (!node.inside) continue;
             out_.least_interval_mm = std::min(out_.least_interval_mm, interval);
@@ -342,11 +395,7 @@ class Sweeper {
 
     /// Where a way misses the face within its box, as in a bay of it, the next ones may reach it again.
     bool reaches_box(const Way& way) const {
-        return std::ranges::any_of(way.places(), [this](const SurfacePlace& at) { return is_in_box(at); });
-    }
-    bool is_in_box(const SurfacePlace& at) const {
-        return at.u >= job_.box.low.x() && at.u <= job_.box.high.x() && at.v >= job_.box.low.y() &&
-               at.v <= job_.box.high.y();
+        return std::ranges::any_of(way.places(), [this](const Place& at) { return job_.region.is_in_box(at); });
     }
 
     const Job& job_;
@@ -368,10 +417,10 @@ struct Start {
 
 Start border_start(const Job& job, const Field& field) {
     const bool along_u = job.options.strategy != Strategy::along_v;
-    const ParameterBox& box = job.box;
+    const ParameterBox& box = job.region.box(0);
     const int k = along_u ? 1 : 0;
     // Just within, so that the first pass is there.
-    const double at = std::max(box.low[k] + 1e-9 * (box.high[k] - box.low[k]), field.box.low[k]);
+    const double at = std::max(box.low[k] + 1e-9 * (box.high[k] - box.low[k]), field.boxes.front().low[k]);
     Start out{.way = parameter_way(job, field, along_u, at), .parameter = at, .both_sides = false};
     if (const auto middle = job.station(out.way, 0.5 * out.way.length(), false); middle) {
         const Eigen::Vector3d inward = along_u ? middle->shape.by_v : middle->shape.by_u;
@@ -382,18 +431,17 @@ Start border_start(const Job& job, const Field& field) {
 
 }  // namespace
 
-Eigen::Vector3d feed_in_middle(const Job& job, const geometry::SurfaceShape& middle) {
+Eigen::Vector3d feed_in_middle(const SurfaceOptions& options, const geometry::SurfaceShape& middle) {
     // S_u × S_v leads out of the material or into it: from S_u towards S_v is against e₂ then.
-    const double turn = (middle.e2.dot(middle.by_v) > 0 ? 1 : -1) * job.options.feed_angle_rad;
+    const double turn = (middle.e2.dot(middle.by_v) > 0 ? 1 : -1) * options.feed_angle_rad;
     return middle.in_space({std::cos(turn), std::sin(turn)});
 }
 
 namespace {
 
 Start middle_start(const Job& job, const Field& field) {
-    const SurfacePlace middle{field.middle.x(), field.middle.y()};
-    const Eigen::Vector3d feed = feed_in_middle(job, *job.shape(middle));
-    return {.way = way_through(job, field, middle, feed, nullptr)};
+    const Eigen::Vector3d feed = feed_in_middle(job.options, *job.shape(field.middle));
+    return {.way = way_through(job, field, field.middle, feed, nullptr)};
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ with tempfile.TemporaryDirectory() as name:
     if 'PIPE0118' not in said or 'SURF0302' in said:
         sys.exit(said)
     run('surface', 'plan', folder / 'vast.toml', *rows, '--part', 'file', status=2, code='SURF0302')
-    # Ridges above the scallop that Lin and Koren's rule leaves, by every command that lays its passes.
+    # Ridges above the scallop that Lin and Koren's rule would leave, by every command that lays its passes.
     (folder / 'triangle.toml').write_text('[[surface]]\ncontrol_points_mm = [[[0, 0, 0], [0, 0, 0]], [[11, -5.5, 0], [11, 5.5, 0]]]\n')
     (folder / 'triangle.ngc').write_text('G21 G90 T1 M6\nG0 X20 Y0 Z90 B0 C0\nG320 P1 I1 J1 K2 L2\nX0 Y0 Z0\nX0 Y0 Z0\nX11 Y-5.5 Z0\n'
                                          'X11 Y5.5 Z0\nG322\nG323 D.001\nG324 P1 R0.05 Q5 J10 F600\nM30\n')

@@ -9,15 +9,16 @@
 
 namespace trunnion::surfacing::detail {
 
-/// The face's surroundings in (u, v): ways go on some way beyond its borders, on the surface continued.
+/// The surroundings of the region's faces in (u, v): ways go on some way beyond its borders, on the surfaces continued.
 struct Field {
-    ParameterBox box;
-    Eigen::Vector2d middle;
-    double spacing_mm = 1;      ///< of a way's places
-    double longest_way_mm = 0;  ///< that any sensible way across the face has
-    double face_box_mm2 = 0;    ///< area of the surface over the face's box
+    std::vector<ParameterBox> boxes;  ///< one a face
+    Place middle;                     ///< of the first face
+    double spacing_mm = 1;            ///< of a way's places
+    double longest_way_mm = 0;        ///< that any sensible way across the region has
+    double face_box_mm2 = 0;          ///< area of the surfaces over the faces' boxes, not behind joints
 
-    bool holds(const geometry::SurfacePlace& place) const noexcept {
+    bool holds(const Place& place) const noexcept {
+        const ParameterBox& box = boxes[static_cast<std::size_t>(place.chart)];
         return place.u >= box.low.x() && place.u <= box.high.x() && place.v >= box.low.y() && place.v <= box.high.y();
     }
 };
@@ -31,17 +32,17 @@ struct Planes {
 };
 
 /// Moves along the surface until the point lies in the plane. Nothing where the surface runs along it.
-std::optional<geometry::SurfacePlace> onto_plane(const Job& job, const Planes& plane, geometry::SurfacePlace place);
+std::optional<Place> onto_plane(const Job& job, const Planes& plane, Place place);
 
 /// The way through a place in a tangent direction, to both sides until it leaves the field: straight on the surface (a
 /// geodesic), or in a plane.
-Way way_through(const Job& job, const Field& field, const geometry::SurfacePlace& place,
-                const Eigen::Vector3d& direction, const Planes* plane);
+Way way_through(const Job& job, const Field& field, const Place& place, const Eigen::Vector3d& direction,
+                const Planes* plane);
 
 /// The way through the places to which a way's places moved, without loops, from border to border of the field. Nothing
 /// where fewer than two places are left within the field.
 std::optional<Way> way_of_moved(const Job& job, const Field& field, const Way& before,
-                                const std::vector<std::optional<geometry::SurfacePlace>>& moved);
+                                const std::vector<std::optional<Place>>& moved);
 
 /// The way of one constant parameter across the field.
 Way parameter_way(const Job& job, const Field& field, bool along_u, double at);

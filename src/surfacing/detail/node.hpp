@@ -23,7 +23,7 @@ constexpr std::size_t most_work = 600'000;  ///< places at which ridges are meas
 /// What is known at a place of a way.
 struct Node {
     std::optional<Station> station;
-    bool inside = false;    ///< of the face
+    bool inside = false;    ///< of the faces
     double interval = 0;    ///< to the next way, by curvatures
     double longest = 0;     ///< that the tool's end bears
     double correction = 1;  ///< of that interval, by ridges
@@ -48,7 +48,8 @@ struct StepBracket {
     double step_of(double ridge) const { return low + (high - low) * (ridge - low_ridge) / (high_ridge - low_ridge); }
 };
 
-/// At every place of a way; `correction` is what they begin with. Errors: SURF0203.
+/// At every place of a way, of the two of a joint at the later one alone; `correction` is what they begin with. Errors:
+/// SURF0203.
 Result<std::vector<Node>> nodes_of(const Job& job, const Way& way, bool backwards, double correction);
 
 /// path_interval_mm() with an axis and a direction across the feed in place of the station's.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "trunnion/base/result.hpp"
@@ -9,12 +10,13 @@
 
 namespace trunnion::surfacing::detail {
 
-/// Appends the parts of a way that lie within the face as passes, in the order of motion, as poses between which
-/// straight moves keep the chord tolerance. Errors: SURF0203, SURF0204.
+/// Appends the parts of a way that lie within the region as passes, in the order of motion, as poses between which
+/// straight moves keep the chord tolerance; one of them is where the way crosses a joint. Errors: SURF0203, SURF0204.
 Result<void> append_passes(const Job& job, const Way& way, int index, std::vector<Pass>& out);
 
-/// Appends passes along the face's borders, one for each part between corners that is wanted. Errors as above.
-Result<void> append_border_passes(const Job& job, const std::function<bool(const Way&)>& wanted,
-                                  std::vector<Pass>& out);
+/// Appends passes along the borders of the job's one face, one for each part between corners that is wanted; none along
+/// `joints`. Errors as above.
+Result<void> append_border_passes(const Job& job, std::span<const Stretch* const> joints,
+                                  const std::function<bool(const Way&)>& wanted, std::vector<Pass>& out);
 
 }  // namespace trunnion::surfacing::detail

@@ -23,6 +23,7 @@ class Track {
         Eigen::Vector3d tip_slope, axis_slope;
         bool sound = false;
     };
+    void lead(std::size_t begin, std::size_t end);
     const Way* way_;
     std::vector<Node> nodes_;
 };

@@ -17,7 +17,10 @@ struct SweepWay {
 struct Sweep {
     std::vector<SweepWay> ways;  ///< by index
     double least_interval_mm = 0, largest_interval_mm = 0, highest_ridge_mm = 0;
-    Eigen::Vector3d highest_ridge_at_mm{0, 0, 0};
+    /// The highest ridge that Lin and Koren's rule would have left, where it is above the planned one: ways are closer
+    /// there. 0: the rule holds everywhere.
+    double rule_ridge_mm = 0;
+    Eigen::Vector3d rule_ridge_at_mm{0, 0, 0};
     std::vector<LeftPlace> too_high;  ///< with leave_out: places of ridges that nothing lowers
     std::size_t work = 0;             ///< places at which ridges were measured
     double covered_mm2 = 0;           ///< between ways, over the face's box
@@ -27,7 +30,7 @@ struct Sweep {
 /// SURF0206, SURF0208, SURF0209.
 Result<Sweep> sweep(const Job& job);
 
-/// The direction of the feed in the face's middle.
-Eigen::Vector3d feed_in_middle(const Job& job, const geometry::SurfaceShape& middle);
+/// The direction of the feed in a face's middle.
+Eigen::Vector3d feed_in_middle(const SurfaceOptions& options, const geometry::SurfaceShape& middle);
 
 }  // namespace trunnion::surfacing::detail

@@ -36,6 +36,8 @@ struct SurfaceOptions {
     /// Places that the tool does not fit into, or where it would cut too deep, do not refuse the plan but are told:
     /// such a plan gouges, until leave_out_gouges() has cut those parts of passes away.
     bool leave_out = false;
+    /// constant_scallop of several faces: passes run on over borders at which they meet with normals within 1°.
+    bool across_joints = true;
     /// A pass along every border as well, so that no strip is left beside it; where a tool that is no ball leans along
     /// and across its feed as many as that takes.
     bool borders = true;
@@ -97,9 +99,9 @@ struct SurfacePlan {
 /// 600 000 places, as far as those passed tell that cover less of the face than is in proportion; SURF0208 passes wind
 /// up instead of crossing the face; SURF0209 a ridge stays above the scallop however close the passes are; SURF0210
 /// passes do not get to a place of the face; SURF0211 the face turns over: normals are opposite on both sides of a
-/// place. Told in the program's diagnostics: SURF0212 lin_koren, which does not look at its ridges, leaves one above
-/// the scallop; ridges are measured up to four times of it. Cost: some 10 µs a contact and 200 µs for each place of a
-/// pass, which are up to 2 mm apart.
+/// place. Told in the program's diagnostics: SURF0212 by the rule of lin_koren alone a ridge would be above the
+/// scallop, and passes are closer there; ridges are measured up to four times of it. Cost: some 10 µs a contact and 200
+/// µs for each place of a pass, which are up to 2 mm apart.
 Result<SurfacePlan> plan_surface(const Face& face, const Cutter& cutter, const SurfaceOptions& options);
 
 }  // namespace trunnion::surfacing
