@@ -231,17 +231,14 @@ bool is_corner(const Job& job, const Loop& loop, std::size_t i) {
 Way border_way(const Job& job, const Loop& loop, double from, double to) {
     std::vector<Place> places;
     constexpr int parts = 8;
-    const auto on = [&](double along) -> Place {
-        const auto k = static_cast<std::size_t>(along);
-        const Eigen::Vector2d &a = loop[k % loop.size()], &b = loop[(k + 1) % loop.size()];
-        const Eigen::Vector2d p = a + (b - a) * (along - static_cast<double>(k));
-        return {{p.x(), p.y()}};
-    };
-    places.push_back(on(from));
     for (double begin = from; begin < to;) {
-        const double end = std::min(std::floor(begin) + 1, to);
-        for (int part = 1; part < parts; ++part) places.push_back(on(begin + (end - begin) * part / parts));
-        places.push_back(on(end));
+        const double number = std::floor(begin), end = std::min(number + 1, to), share = begin - number;
+        const auto k = static_cast<std::size_t>(number);
+        const Eigen::Vector2d &a = loop[k % loop.size()], &b = loop[(k + 1) % loop.size()];
+        for (int part = begin == from ? 0 : 1; part <= parts; ++part) {
+            const Eigen::Vector2d p = a + (b - a) * (share + (end - begin) * part / parts);
+            places.push_back({{p.x(), p.y()}});
+        }
         begin = end;
     }
     return {job.region, places};
