@@ -261,12 +261,22 @@ int tpSetAout(TP_STRUCT *const unused, unsigned char index, double start, double
 
 /* --- one period ----------------------------------------------------------------------------------------------- */
 
+/* Between two moves the next one counts as the present, as with LinuxCNC's own planner. */
+static uint64_t present_number(void) { return tp.begun > tp.finished ? tp.begun : tp.finished + 1; }
+
+/* A step goes to the end of the present move; then LinuxCNC sees another id, and pauses. */
+static uint64_t run_through(void)
+{
+    if (tp.paused || tp.aborting) return 0;
+    return tp.status->stepping ? present_number() : TRUNNION_RUN_ALL;
+}
+
 static void say_what_is_wished(void)
 {
     struct trunnion_orders *orders = &tp.shared->orders;
     ++orders->cycles;
     orders->feed_scale = tp.status->net_feed_scale;
-    orders->hold = tp.paused || tp.aborting;
+    __atomic_store_n(&orders->run_through, run_through(), __ATOMIC_RELEASE);
     orders->aborted = tp.aborting ? tp.epoch : 0;
 }
 
@@ -394,8 +404,10 @@ static void tell_status(void)
     else tp.status->enables_queued = tp.status->enables_new;
 }
 
+/* A pause with nothing queued is over, as with LinuxCNC's own planner: so it begins a program by a step. */
 int tpRunCycle(TP_STRUCT *const unused, long period_ns)
 {
+    if (moves_left() == 0) tp.paused = 0;
     say_what_is_wished();
     watch_the_planner();
     step(period_ns * 1e-9);
@@ -411,8 +423,7 @@ int tpIsDone(TP_STRUCT *const unused) { return moves_left() == 0; }
 int tpQueueDepth(TP_STRUCT *const unused) { return (int)moves_left(); }
 int tpActiveDepth(TP_STRUCT *const unused) { return moves_left() > 0; }
 int tpGetMotionType(TP_STRUCT *const unused) { return moves_left() > 0 ? note_of(tp.finished + 1)->type : 0; }
-/* Between two moves the next one counts as the present, as with LinuxCNC's own planner. */
-static struct move_note const *present_move(void) { return note_of(tp.begun > tp.finished ? tp.begun : tp.finished + 1); }
+static struct move_note const *present_move(void) { return note_of(present_number()); }
 int tpGetExecId(TP_STRUCT *const unused) { return moves_left() > 0 ? present_move()->id : 0; }
 struct state_tag_t tpGetExecTag(TP_STRUCT *const unused)
 {

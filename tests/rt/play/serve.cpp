@@ -23,6 +23,7 @@ class Module {
         trunnion_reader_begin(&reader_, &memory.plans);
         memory.orders.period_s = period_s;
         memory.orders.feed_scale = 1;
+        memory.orders.run_through = TRUNNION_RUN_ALL;
         memory.format = TRUNNION_TP_FORMAT;
         at_.position[2] = 50;
     }
@@ -138,7 +139,7 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
         std::this_thread::sleep_for(std::chrono::microseconds(50));
     };
     for (int k = 0; k < 100000 && module.at().position[0] < 20; ++k) cycle();
-    orders.hold = 1;
+    orders.run_through = 0;
     orders.aborted = module.epoch();
     for (int k = 0; k < 100000 && orders.stopped != module.epoch(); ++k) cycle();
     for (int k = 0; k < 1000; ++k) cycle();
@@ -146,7 +147,7 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
     const double stood_at = module.at().position[0];
     EXPECT_GT(stood_at, 20);
     EXPECT_LT(stood_at, 60);
-    orders.hold = 0;
+    orders.run_through = TRUNNION_RUN_ALL;
     orders.aborted = 0;
     const std::uint64_t published = served.memory->plans.published;
     for (int k = 0; k < 200; ++k) cycle();
@@ -156,6 +157,41 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
     for (int k = 0; k < 200000 && !module.done(); ++k) cycle();
     for (int k = 0; k < 5000; ++k) cycle();
     EXPECT_NEAR(module.at().position[0], 0, 1e-9);
+    EXPECT_LE(check.worst(), 1.001);
+}
+
+TEST(Serve, StepsStandAtTheEndOfTheMove) {
+    Served served;
+    RowCheck check(served.workplace.machine);
+    check.note(served.axes_at(served.module.at()));
+    auto& module = served.module;
+    auto& orders = served.memory->orders;
+    orders.run_through = 0;
+    module.begin();
+    for (int k = 1; k <= 10; ++k) module.line({10.0 * k, k % 2 * 5.0, 50, 0, 2.0 * k}, 50);
+    const auto run_through = [&](std::uint64_t number) {
+        for (int k = 0, stood = 0; k < 200000 && (stood < 300 || orders.done_through < number); ++k) {
+            const bool came = module.cycle();
+            stood = came ? 0 : stood + 1;
+            if (came) check.note(served.axes_at(module.at()));
+            std::this_thread::sleep_for(std::chrono::microseconds(20));
+        }
+    };
+    run_through(0);
+    EXPECT_EQ(check.rows(), 1u);
+    for (const std::uint64_t step : {1, 2, 3}) {
+        orders.run_through = step;
+        run_through(step);
+        EXPECT_EQ(orders.done_through, step);
+        EXPECT_EQ(module.at().line, static_cast<std::int64_t>(step));
+        EXPECT_NEAR(module.at().position[0], 10.0 * static_cast<double>(step), 0.02);
+        orders.run_through = 0;
+        run_through(step);
+    }
+    orders.run_through = TRUNNION_RUN_ALL;
+    run_through(10);
+    EXPECT_TRUE(module.done());
+    EXPECT_NEAR(module.at().position[0], 100, 1e-9);
     EXPECT_LE(check.worst(), 1.001);
 }
 

@@ -105,8 +105,8 @@ class LivePlanner {
     /// where blocks were added to the end of a queue while the first ones are being run. Where the plan in hand stands
     /// within the same pieces it is taken over as it is, and the ticks to come make it longer; else it is left before
     /// them, at least two periods ahead, for one towards `end` (see set_end()). None where that cannot be: this one
-    /// goes on as it would. `other` must outlive what comes back. Cost: as make(), and in the second case a window or
-    /// two. Errors: as make().
+    /// goes on as it would; so while a single block is under way. `other` must outlive what comes back. Cost: as
+    /// make(), and in the second case a window or two. Errors: as make().
     Result<std::optional<LivePlanner>> gone_on_along(const path::AxisPath& other, const FeedOptions& options,
                                                      const SamePath& same,
                                                      std::optional<path::PathPlace> end = {}) const;
