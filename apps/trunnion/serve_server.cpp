@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -95,6 +96,7 @@ void OrderServer::begin(const trunnion_order& order) {
     failure_.reset();
     epoch_ = order.epoch;
     scale_ = 1;
+    largest_speed_ = std::numeric_limits<double>::infinity();
     run_through_ = TRUNNION_RUN_ALL;
     closed_ = false;
     memory_.orders.done_through = order.number;
@@ -130,6 +132,7 @@ void OrderServer::run_through(std::uint64_t number) {
 void OrderServer::pass_on_wishes() {
     const trunnion_orders& orders = memory_.orders;
     if (orders.feed_scale != scale_) now_->motion.set_override(scale_ = orders.feed_scale);
+    if (orders.largest_speed != largest_speed_) now_->motion.set_largest_speed(largest_speed_ = orders.largest_speed);
     const std::uint64_t through = __atomic_load_n(&orders.run_through, __ATOMIC_ACQUIRE);
     if (through != run_through_) run_through(run_through_ = through);
     if (!closed_ && orders.cycles - orders.last_order >= periods_of(quiet_s, orders.period_s, least_quiet)) {

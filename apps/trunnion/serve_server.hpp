@@ -65,7 +65,7 @@ class OrderServer {
     const Workplace& workplace_;
     std::unique_ptr<Motion> now_;
     std::uint32_t epoch_ = 0;
-    double scale_ = 1;
+    double scale_ = 1, largest_speed_ = 0;
     std::uint64_t run_through_ = TRUNNION_RUN_ALL;
     bool closed_ = false;
     std::optional<std::string> failure_;  // of the motion under way; told if no other one is begun

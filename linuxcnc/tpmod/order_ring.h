@@ -45,6 +45,7 @@ struct trunnion_orders {
     volatile uint64_t cycles;     /* servo periods, ever */
     volatile uint64_t last_order; /* cycles when the last one was written */
     volatile double feed_scale;   /* of the present motion: an override, 0 … */
+    volatile double largest_speed; /* of the tip, mm/s, on every move that is not a turn alone; 0 or more */
     /* Move by move up to this one, each to a standstill at its end; 0: stand as soon as the limits allow;
        TRUNNION_RUN_ALL: all of them as they come. One word, so that a pause and a step cannot be mistaken. */
     volatile uint64_t run_through;

@@ -61,7 +61,7 @@ static struct {
 
     /* What LinuxCNC has said for the moves to come. */
     int next_id, joint, synchronised;
-    double tolerance, speed_cap, tool_length;
+    double tolerance, largest_speed, tool_length;
     int output_count;
     struct output outputs[outputs_of_a_move];
 
@@ -183,7 +183,6 @@ static int hand_over(struct trunnion_order *order, EmcPose const *end, int type,
     if (tp.aborting || moves_left() >= longest_queue - 1) return TP_ERR_FAIL;
     if (same_pose(end, &tp.goal) && order->kind == trunnion_order_line) return TP_ERR_ZERO_LENGTH;
     order->speed = speed < most ? speed : most;
-    if (tp.speed_cap > 0 && order->speed > tp.speed_cap) order->speed = tp.speed_cap;
     order->rapid = type == EMC_MOTION_TYPE_TRAVERSE;
     order->stop_first = at_speed != 0;
     if (!say_where_it_begins() || !trunnion_order_write(&tp.shared->orders, order)) return TP_ERR_FAIL;
@@ -276,6 +275,7 @@ static void say_what_is_wished(void)
     struct trunnion_orders *orders = &tp.shared->orders;
     ++orders->cycles;
     orders->feed_scale = tp.status->net_feed_scale;
+    orders->largest_speed = tp.largest_speed;
     __atomic_store_n(&orders->run_through, run_through(), __ATOMIC_RELEASE);
     orders->aborted = tp.aborting ? tp.epoch : 0;
 }
@@ -466,7 +466,7 @@ int tpSetTermCond(TP_STRUCT *const unused, int cond, double tolerance)
     tp.tolerance = tolerance;
     return TP_ERR_OK;
 }
-int tpSetVlimit(TP_STRUCT *const unused, double limit) { tp.speed_cap = limit; return TP_ERR_OK; }
+int tpSetVlimit(TP_STRUCT *const unused, double limit) { tp.largest_speed = limit > 0 ? limit : 0; return TP_ERR_OK; }
 int tpSetVmax(TP_STRUCT *const unused, double vmax, double ini_maxvel) { return TP_ERR_OK; }
 int tpSetAmax(TP_STRUCT *const unused, double amax) { return TP_ERR_OK; }
 int tpSetCycleTime(TP_STRUCT *const unused, double seconds)
@@ -491,6 +491,7 @@ int tpCreate(TP_STRUCT *const unused, int queue_size, int id)
 {
     tp.must_begin = 1;
     tp.epoch = 1;
+    tp.largest_speed = HUGE_VAL;
     return tp.shared ? TP_ERR_OK : TP_ERR_FAIL;
 }
 

@@ -22,7 +22,7 @@ bool LivePlanner::State::take_over(const State& other, const SamePath& same) {
     now_.border -= std::min(now_.border, present);
     held_ = other.held_;
     single_block_ = other.single_block_;
-    override_ = other.override_;
+    pace_ = other.pace_;
     command_lead_ = other.command_lead_;
     way_lead_ = other.way_lead_;
     ticks_ = other.ticks_;
@@ -58,8 +58,8 @@ Result<bool> LivePlanner::State::leave_before(std::size_t last) {
         if (branch.at_rest) continue;
         Trial trial;
         trial.goal = goal();
-        trial.factor = override_;
-        trial.old_factor_until_mm = old_factor_until(branch);
+        trial.pace = pace_;
+        trial.old_pace_until_mm = old_pace_until(branch);
         trial.guess.blank = true;  // behind `last` the plan in hand is of another path, and a guess must not jump
         const auto done = plan(branch, trial);
         if (!done || *done) return done;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "trunnion/feed/live_planner.hpp"
@@ -49,6 +50,7 @@ class QueueMotion::State {
     void add(const QueuedMove& move);
     void close();
     void set_override(double factor);
+    void set_largest_speed(double mm_s);
     void hold();
     void resume();
     void step_through(std::optional<std::int32_t> number);
@@ -96,7 +98,7 @@ class QueueMotion::State {
     LiveRow row_;
     std::size_t plans_ = 0, ticks_ = 0, next_trial_ = 0;
     int failed_trials_ = 0;  // in a row
-    double override_ = 1;
+    double override_ = 1, largest_speed_mm_s_ = std::numeric_limits<double>::infinity();
     bool held_ = false;
     std::optional<std::int32_t> step_;  // the last move that may be run, to its end
 };
@@ -128,11 +130,16 @@ void QueueMotion::State::pass_on_commands() {
     if (!now_.planner) return;
     (void)now_.planner->set_feed_override(override_);
     (void)now_.planner->set_rapid_override(std::min(override_, 1.0));
+    (void)now_.planner->set_largest_speed(largest_speed_mm_s_);
     now_.planner->set_single_block(step_.has_value());
     if (held_) now_.planner->hold();
 }
 void QueueMotion::State::set_override(double factor) {
     override_ = std::clamp(factor, 0.0, largest_override);
+    pass_on_commands();
+}
+void QueueMotion::State::set_largest_speed(double mm_s) {
+    largest_speed_mm_s_ = mm_s;
     pass_on_commands();
 }
 void QueueMotion::State::hold() {
@@ -307,7 +314,7 @@ Result<LiveMotionState> QueueMotion::State::tick(bool may_plan) {
     out.status = LiveMotionStatus::waiting;
     ++ticks_;
     const bool under_way = now_.planner && now_.planner->periods_left() > 0;
-    const bool shall_stand = held_ || override_ == 0;
+    const bool shall_stand = held_ || override_ == 0 || largest_speed_mm_s_ == 0;
     if (!under_way || (may_plan && !shall_stand)) {
         const auto taken = take_up();
         if (!taken) return fail(taken.error());
@@ -398,6 +405,9 @@ void QueueMotion::close() {
 }
 void QueueMotion::set_override(double factor) {
     state_->set_override(factor);
+}
+void QueueMotion::set_largest_speed(double mm_s) {
+    state_->set_largest_speed(mm_s);
 }
 void QueueMotion::hold() {
     state_->hold();

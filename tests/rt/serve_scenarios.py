@@ -237,6 +237,42 @@ def rapid_override(panel):
 
 
 @scenario
+def largest_velocity(panel):
+    """The slider of the largest velocity: it counts for what is under way, is given back, and holds for rapids too."""
+    def speeds(begin, end=None):
+        return numpy.linalg.norm(numpy.diff(panel.rows(begin, end)[:, :3], axis=0), axis=1) / panel.period_s
+
+    panel.start(HEAD + 'F4800\n' + ''.join(f'G1 X{k % 2 * 300} Y{5 * k}\n' for k in range(1, 9)) + 'G0 X0 Y0\nM2\n')
+    panel.until_line(4)
+    for largest in (30, 10, 60):
+        before = float(speeds(panel.mark() - 30).max())
+        begin = panel.mark()
+        panel.command.maxvel(largest)
+        panel.for_a_while(1.5)
+        measured = speeds(begin)
+        late = numpy.nonzero(measured > largest * 1.001)[0]
+        reached = (late[-1] + 1 if len(late) else numpy.nonzero(measured > 0.99 * largest)[0][0]) * panel.period_s
+        panel.note(f'{before:.1f} to {largest} mm/s: {reached:.3f} s after the command, then at most {measured[-500:].max():.3f}')
+        assert reached < 0.7 and 0.99 * largest < measured[-500:].max() < 1.001 * largest, measured[-500:].max()
+    panel.command.feedrate(1.2)
+    panel.for_a_while(0.5)
+    begin = panel.mark()
+    panel.until_idle()
+    assert 59 < speeds(begin).max() < 60.1, speeds(begin).max()
+    panel.command.maxvel(0)
+    begin = panel.mark()
+    panel.start('G21 G90 G94\nG1 X20 F600\nM2\n')
+    panel.for_a_while(1)
+    assert speeds(begin).max() == 0
+    panel.command.maxvel(1000)
+    panel.command.feedrate(1)
+    panel.until_idle()
+    panel.expect_place([20, 0, 0, 0, 0], 1e-9)
+    panel.expect_limits()
+    panel.expect_nothing_said()
+
+
+@scenario
 def abort_and_go_on(panel):
     panel.start(sine(panel))
     panel.until_line(800)

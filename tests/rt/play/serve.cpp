@@ -24,6 +24,7 @@ class Module {
         memory.orders.period_s = period_s;
         memory.orders.feed_scale = 1;
         memory.orders.run_through = TRUNNION_RUN_ALL;
+        memory.orders.largest_speed = 1e3;
         memory.format = TRUNNION_TP_FORMAT;
         at_.position[2] = 50;
     }

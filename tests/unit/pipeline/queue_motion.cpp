@@ -216,6 +216,33 @@ TEST(QueueMotion, HoldsAndGoesOn) {
     EXPECT_LE(drive.worst(), in_limits);
 }
 
+/// The largest speed counts for moves that are queued, and on a leg that is begun later; turns do not follow it.
+TEST(QueueMotion, KeepsALargestSpeed) {
+    QueueDrive drive({});
+    drive.motion().add(line(1, 100, 0));
+    QueuedMove rapid = line(2, 0, 0), turn = line(3, 0, 0, 0.5);
+    rapid.rapid = true;
+    turn.feed = {program::FeedRule::rotary_rate, 1};
+    drive.motion().add(rapid);
+    drive.motion().add(turn);
+    drive.motion().close();
+    for (int k = 0; k < 500; ++k) drive.tick();
+    drive.motion().set_largest_speed(20);
+    for (int k = 0; k < 300; ++k) drive.tick();
+    const std::size_t slow = drive.rows().size();
+    drive.run_until_waiting();
+    double fastest = 0, turns = 0;
+    for (std::size_t k = slow; k < drive.rows().size(); ++k) {
+        const auto &at = drive.rows()[k].position, &was = drive.rows()[k - 1].position;
+        if (drive.rows()[k].line < 3) fastest = std::max(fastest, std::abs(at[0] - was[0]) / period_s);
+        turns = std::max(turns, std::abs(at[3] - was[3]) / period_s);
+    }
+    EXPECT_LE(fastest, 20 * in_limits);
+    EXPECT_GT(fastest, 19.9);
+    EXPECT_GT(turns, 0.5);
+    EXPECT_LE(drive.worst(), in_limits);
+}
+
 /// Plans that came too late are taken back: the one before goes on, row by row, and the next trial counts farther
 /// ahead.
 TEST(QueueMotion, GoesOnWhereLongerPlansCameTooLate) {

@@ -69,6 +69,8 @@ class QueueMotion : public LiveRows {
 
     /// As LiveMotion; 0…2, for rapids up to 1.
     void set_override(double factor);
+    /// Of the tip, as LivePlanner::set_largest_speed(). Precondition: not below 0.
+    void set_largest_speed(double mm_s);
     void hold();
     void resume();
     /// Step by step: moves up to this one may be run, each to a standstill at its end (LivePlanner::set_single_block()
