@@ -102,7 +102,8 @@ Result<void> PlanPublisher::publish(std::uint64_t begun) {
 }
 
 void PlanPublisher::drop_given_rows() {
-    const std::uint64_t keep = std::min(reader_next(), next_);
+    const std::uint64_t given = std::min(reader_next(), next_);
+    const std::uint64_t keep = std::max(first_, given - std::min(given, kept_rows_));
     rows_.erase(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(keep - first_));
     first_ = keep;
 }

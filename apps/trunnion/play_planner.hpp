@@ -21,9 +21,11 @@ class PlanPublisher {
   public:
     using RowOf = std::function<trunnion_row(const pipeline::LiveRow&)>;
 
-    /// `row_of`: what the reader is given of a row. Motion and buffer must outlive it; the buffer is begun.
-    PlanPublisher(pipeline::LiveRows& motion, RowOf row_of, trunnion_plans& plans, std::uint64_t lead_rows)
-        : motion_(motion), row_of_(std::move(row_of)), plans_(plans), lead_rows_(lead_rows) {}
+    /// `row_of`: what the reader is given of a row. `kept_rows`: so many rows that were given stay in the plans, for
+    /// whoever has to find where the axes are. Motion and buffer must outlive it; the buffer is begun.
+    PlanPublisher(pipeline::LiveRows& motion, RowOf row_of, trunnion_plans& plans, std::uint64_t lead_rows,
+                  std::uint64_t kept_rows = 0)
+        : motion_(motion), row_of_(std::move(row_of)), plans_(plans), lead_rows_(lead_rows), kept_rows_(kept_rows) {}
 
     /// The standstill at the begin, as row 0. Errors: RT0005.
     Result<void> publish_begin();
@@ -57,7 +59,7 @@ class PlanPublisher {
     pipeline::LiveRows& motion_;
     RowOf row_of_;
     trunnion_plans& plans_;
-    std::uint64_t lead_rows_;
+    std::uint64_t lead_rows_, kept_rows_;
     std::uint64_t next_ = 0;               // row of the next tick
     std::uint64_t first_ = 0;              // of rows_
     std::vector<pipeline::LiveRow> rows_;  // those the reader may still need, to the standstill of the newest plan
