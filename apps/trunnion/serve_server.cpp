@@ -145,10 +145,12 @@ void OrderServer::advance() {
     trunnion_orders& orders = memory_.orders;
     const auto advance = now_->publisher.advance();
     if (!advance) {
-        failure_ = to_string(advance.error());
+        const bool left = advance.error().code == "RT0005";  // LinuxCNC does something else, and begins anew
+        if (!left) failure_ = to_string(advance.error());
         now_.reset();
         return;
     }
+    if (!now_->publisher.is_settled()) return;
     orders.done_through = static_cast<std::uint64_t>(now_->motion.done_at_standstill());
     const bool stands = advance->status != LiveMotionStatus::moving;
     if (orders.aborted != epoch_ || !stands) return;

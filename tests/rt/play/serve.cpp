@@ -43,10 +43,10 @@ class Module {
         ASSERT_TRUE(trunnion_order_write(&memory_.orders, &order));
     }
     /// One servo period; whether a row came.
-    bool cycle() {
-        ++memory_.orders.cycles;
-        if (memory_.orders.answered != epoch_) return false;
-        trunnion_look(&reader_);
+    bool cycle(bool looks = true) {
+        memory_.orders.cycles = memory_.orders.cycles + 1;
+        if (!planner_answers()) return false;
+        if (looks) trunnion_look(&reader_);
         const trunnion_row* row = trunnion_next_row(&reader_);
         if (!row) return false;
         at_ = *row;
@@ -60,6 +60,18 @@ class Module {
     std::uint32_t epoch() const { return epoch_; }
 
   private:
+    /// Plans of an earlier epoch are given up, as trunnion_tp.c does.
+    bool planner_answers() {
+        const bool answered = memory_.orders.answered == epoch_;
+        if (answered && greeted_ == epoch_) return true;
+        const std::uint64_t newest = __atomic_load_n(&memory_.plans.published, __ATOMIC_ACQUIRE);
+        reader_.in_use = 0;
+        reader_.looked_at = newest;
+        __atomic_store_n(&memory_.plans.in_use, 0, __ATOMIC_RELAXED);
+        __atomic_store_n(&memory_.plans.looked_at, newest, __ATOMIC_RELEASE);
+        if (answered) greeted_ = epoch_;
+        return answered;
+    }
     trunnion_order order_to(const double (&end)[9], int kind) const {
         trunnion_order out{};
         out.kind = kind;
@@ -72,7 +84,7 @@ class Module {
     trunnion_reader reader_{};
     trunnion_row at_{};
     std::uint64_t number_ = 0;
-    std::uint32_t epoch_ = 0;
+    std::uint32_t epoch_ = 0, greeted_ = 0;
 };
 
 struct Served {
@@ -194,6 +206,38 @@ TEST(Serve, StepsStandAtTheEndOfTheMove) {
     EXPECT_TRUE(module.done());
     EXPECT_NEAR(module.at().position[0], 100, 1e-9);
     EXPECT_LE(check.worst(), 1.001);
+}
+
+/// As where LinuxCNC leaves coordinated mode under way: no row is taken, and the next program is begun soon.
+TEST(Serve, ABeginIsAnsweredThoughThePlanBeforeWasNotLookedAt) {
+    Served served;
+    auto& module = served.module;
+    auto& orders = served.memory->orders;
+    module.begin();
+    module.line({100, 0, 50, 0, 0}, 50);
+    for (int k = 0; k < 100000 && module.at().position[0] < 5; ++k) {
+        module.cycle();
+        std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+    orders.run_through = 0;  // a plan is made that nobody looks at
+    const std::uint64_t published = served.memory->plans.published;
+    for (int k = 0; k < 1000 && served.memory->plans.published == published; ++k) {
+        module.cycle(false);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_NE(served.memory->plans.published, published);
+    module.begin();
+    int waited_ms = 0;
+    for (; waited_ms < 3000 && orders.answered != module.epoch(); ++waited_ms)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_LT(waited_ms, 1000);
+    orders.run_through = TRUNNION_RUN_ALL;
+    module.line({0, 0, 50, 0, 0}, 50, trunnion_joint_stop);
+    for (int k = 0; k < 200000 && !(module.done() && module.at().position[0] < 1e-9); ++k) {
+        module.cycle();
+        std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+    EXPECT_NEAR(module.at().position[0], 0, 1e-9);
 }
 
 TEST(Serve, TellsWhatCannotBePlanned) {
