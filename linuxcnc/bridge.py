@@ -102,8 +102,8 @@ def serve(machine, spare):
                 machine.axes = [round(value) for value in values]
                 spare.tell(b'X', values)
             elif letter == b'T':
-                if not machine.take():
-                    say('halt it does not stand where the program begins any more')
+                if reason := machine.take():
+                    say('halt ' + reason)
             elif letter == b'A':
                 machine.flush()
                 good = machine.jog_to(values)

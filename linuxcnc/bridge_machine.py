@@ -76,6 +76,15 @@ def signal_of(pin):
     return next(line.split()[-1] for line in pins.splitlines() if '==>' in line)
 
 
+def servo_period_ns():
+    threads = subprocess.run(['halcmd', '-s', 'show', 'thread'], capture_output=True, text=True, timeout=10).stdout
+    for line in threads.splitlines():
+        words = line.split()
+        if len(words) > 2 and words[0].isdigit() and 'servo' in words[2]:
+            return int(words[0])
+    return 0
+
+
 class Machine:
     """The LinuxCNC that runs on this computer."""
 
@@ -96,7 +105,8 @@ class Machine:
         self.written, self.recent, self.place = 0, collections.deque(maxlen=TAIL), None
         ini = linuxcnc.ini(self.stat.ini_filename)
         self.letters = (ini.find('TRAJ', 'COORDINATES') or '').replace(' ', '').upper()
-        self.near = [NEAR * float(ini.find(f'JOINT_{j}', 'MAX_ACCELERATION') or 1) * (1e-9 * self.period_ns()) ** 2
+        self.period_ns = servo_period_ns()
+        self.near = [NEAR * float(ini.find(f'JOINT_{j}', 'MAX_ACCELERATION') or 1) * (1e-9 * self.period_ns) ** 2
                      for j in range(self.joints)]
         self.speeds = [float(ini.find(f'JOINT_{j}', 'MAX_VELOCITY') or 1) for j in range(self.joints)]
         self.taken = False
@@ -105,19 +115,11 @@ class Machine:
         """Whether the axes follow the rows."""
         return bool(self.component['follows'])
 
-    def period_ns(self):
-        threads = subprocess.run(['halcmd', '-s', 'show', 'thread'], capture_output=True, text=True, timeout=10).stdout
-        for line in threads.splitlines():
-            words = line.split()
-            if len(words) > 2 and words[0].isdigit() and 'servo' in words[2]:
-                return int(words[0])
-        return 0
-
     def facts(self):
         stat, linuxcnc = self.stat, self.linuxcnc
         out = [f'letters={self.letters}', f'on={int(stat.task_state == linuxcnc.STATE_ON)}',
                f'idle={int(stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos)}',
-               f'homed={int(all(stat.homed[:self.joints]))}', f'period_ns={self.period_ns()}',
+               f'homed={int(all(stat.homed[:self.joints]))}', f'period_ns={self.period_ns}',
                f'linear_units={stat.linear_units!r}', f'angular_units={stat.angular_units!r}',
                f'room={self.stream.maxdepth}']
         for number in range(self.joints):
@@ -153,20 +155,21 @@ class Machine:
         return tuple(self.stat.joint[j]['output'] for j in range(self.joints))
 
     def take(self):
-        """Whether LinuxCNC still stands where the rows begin."""
+        """From now on the axes follow the rows; else why not."""
         self.stat.poll()
         if not self.stands_at(self.place) or self.stat.task_state != self.linuxcnc.STATE_ON:
-            return False
+            return 'it does not stand where the program begins any more'
         self.hal.set_p(PLAY + '.fault-in', '0')
         self.hal.set_p(PLAY + '.reset', '0')
         time.sleep(0.003)
         self.hal.set_p(PLAY + '.reset', '1')
-        for _ in range(50):
+        for _ in range(500):
             self.taken = self.follows()
             if self.taken:
-                break
+                return None
             time.sleep(0.001)
-        return self.taken
+        self.release()
+        return 'its component trunnion-play does not answer'
 
     def stands_at(self, place):
         return all(abs(place[j] - self.stat.joint[j]['output']) <= self.near[j] for j in range(self.joints))

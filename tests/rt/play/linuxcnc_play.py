@@ -124,7 +124,8 @@ class Display:
             player.kill()
         elif step == 'kill bridge':  # the older one of two
             bridge = subprocess.run(['pgrep', '-o', '-U', str(os.getuid()), '-f', 'linuxcnc/bridge.py'], capture_output=True, text=True)
-            os.kill(int(bridge.stdout), signal.SIGKILL)
+            for one in bridge.stdout.split():
+                os.kill(int(one), signal.SIGKILL)
         elif step == 'kill planner':
             children = subprocess.run(['pgrep', '-P', str(player.pid), '-x', 'trunnion'], capture_output=True, text=True)
             os.kill(int(children.stdout.split()[0]), signal.SIGKILL)
@@ -267,9 +268,10 @@ def play_to_the_end(test):
 
 
 def play_under_commands(test):
-    result = test.run('commands', 'gentle-1.ngc', stand=test.stand('gentle-1.ngc'),
-                      steps=[(1.2, 'hold'), (2.0, 'resume'), (2.4, 'override 30'), (3.4, 'override 100')])
+    result = test.run('commands', 'gentle-1.ngc', more=('-o', 'FOLDER/rows.csv', '--depth', '300ms', '--wait'), stand=test.stand('gentle-1.ngc'),
+                      steps=[(2, 'start'), (2.3, 'hold'), (3.1, 'resume'), (3.3, 'override 30'), (4.3, 'override 100')])
     played, ratios = test.expect_played(result)
+    assert len(played) > 1700, f'{len(played)} rows: the commands did not count'
     print(f'hold and override: {len(played)} rows, peaks of the limits {ratios}')
     print(result['out'])
 
