@@ -46,7 +46,13 @@ class Spare:
             return
         self.socket.close()
         try:
-            stand_by(theirs, Machine(*arguments, 'trunnion-spare'))
+            machine = Machine(*arguments, 'trunnion-spare')
+        except Exception:  # the bridge itself says what is missing
+            os._exit(0)
+        try:
+            stand_by(theirs, machine)
+        except Exception as error:
+            print(f'the bridge that stands by: {error}', file=sys.stderr)
         finally:
             os._exit(0)
 
