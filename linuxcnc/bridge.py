@@ -46,11 +46,8 @@ class Spare:
             return
         self.socket.close()
         try:
-            machine = Machine(*arguments, 'trunnion-spare')
-        except Exception:  # the bridge itself says what is missing
-            os._exit(0)
-        try:
-            stand_by(theirs, machine)
+            if theirs.recv(1) == b'M':  # the bridge has found its LinuxCNC
+                stand_by(theirs, Machine(*arguments, 'trunnion-spare'))
         except Exception as error:
             print(f'the bridge that stands by: {error}', file=sys.stderr)
         finally:
@@ -135,6 +132,7 @@ def main():
     spare = Spare(arguments)
     try:
         machine = Machine(*arguments, 'trunnion-bridge')
+        spare.tell(b'M')
     except Exception as error:  # whatever LinuxCNC's modules raise, it cannot be spoken to
         say(f'missing {type(error).__name__}: {error}'.replace('\n', ' '))
         return
