@@ -14,18 +14,22 @@ T  from now on the axes follow the rows        B  the axes follow LinuxCNC again
 Where stdin ends while the axes follow rows, whoever sent them was killed: the plan that they come from is played to its
 standstill, inside all limits, then it does as with B. The axes are given back only where LinuxCNC stands, or
 where it has disabled motion; if neither comes about they stay at the last row, and it says so.
+
+A second process of the same kind stands by. Where the first one is killed it says `lost`, plays the plan to its standstill behind the
+rows that the streamer holds, and does as with B.
 """
-import mmap
 import os
 import select
+import socket
 import struct
-import subprocess
 import sys
 import time
 
-PLAY = 'trunnion-play'
-NEAR = 1.1e-3  # of what a joint's acceleration makes in one period: LinuxCNC ends a jog that near to its goal
-RAMP = 8  # rows
+sys.dont_write_bytecode = True
+
+from bridge_machine import Machine, Plans, Ring
+
+LONGEST_ANSWER_S = 5
 
 
 def say(text):
@@ -33,213 +37,52 @@ def say(text):
     sys.stdout.flush()
 
 
-class Plans:
-    """Plans in memory that is shared with whoever sends the rows, as plan_buffer.h lays them out."""
-    HEAD, PLAN, ROW = struct.Struct('=QQdQQQQ'), struct.Struct('=QQQ'), struct.Struct('=9dq')
+class Spare:
+    """A process that stands by, told what it has to know. It sees the end of the socket when this process is killed."""
 
-    def __init__(self, descriptor):
-        self.memory = mmap.mmap(descriptor, 0, prot=mmap.PROT_READ)
-
-    def rows_behind(self, last, axes):
-        """Rows of the plan in use behind the one that is `last`; a joint each, of these axes."""
-        *_, in_use, following = self.HEAD.unpack_from(self.memory)
-        begin = self.HEAD.size + (in_use & 1) * ((len(self.memory) - self.HEAD.size) // 2)
-        first, _, count = self.PLAN.unpack_from(self.memory, begin)
-
-        def row(k):
-            values = self.ROW.unpack_from(self.memory, begin + self.PLAN.size + k * self.ROW.size)
-            return tuple(values[axis] for axis in axes)
-
-        for k in range(min(following - first, count) - 1, -1, -1):
-            if row(k) == last:
-                return [row(behind) for behind in range(k + 1, count)]
-        return []
-
-
-class Machine:
-    """The LinuxCNC that runs on this computer."""
-
-    def __init__(self, plans, streamer):
-        import hal
-        import linuxcnc
-        self.hal, self.linuxcnc = hal, linuxcnc
-        self.plans, self.axes = plans, None
-        self.stat, self.command, self.errors = linuxcnc.stat(), linuxcnc.command(), linuxcnc.error_channel()
-        self.stat.poll()
-        self.joints = self.stat.joints
-        self.component = hal.component(f'trunnion-bridge-{os.getpid()}')
-        self.component.ready()
-        self.stream = hal.stream(self.component, hal.streamer_base + streamer, 'f' * self.joints)
-        self.written, self.last, self.place = 0, None, None
-        ini = linuxcnc.ini(self.stat.ini_filename)
-        self.letters = (ini.find('TRAJ', 'COORDINATES') or '').replace(' ', '').upper()
-        self.near = [NEAR * float(ini.find(f'JOINT_{j}', 'MAX_ACCELERATION') or 1) * (1e-9 * self.period_ns()) ** 2
-                     for j in range(self.joints)]
-        self.speeds = [float(ini.find(f'JOINT_{j}', 'MAX_VELOCITY') or 1) for j in range(self.joints)]
-        self.taken = False
-
-    def pin(self, name):
-        return self.hal.get_value(name)
-
-    def period_ns(self):
-        threads = subprocess.run(['halcmd', '-s', 'show', 'thread'], capture_output=True, text=True, timeout=10).stdout
-        for line in threads.splitlines():
-            words = line.split()
-            if len(words) > 2 and words[0].isdigit() and 'servo' in words[2]:
-                return int(words[0])
-        return 0
-
-    def facts(self):
-        stat, linuxcnc = self.stat, self.linuxcnc
-        out = [f'letters={self.letters}', f'on={int(stat.task_state == linuxcnc.STATE_ON)}',
-               f'idle={int(stat.interp_state == linuxcnc.INTERP_IDLE and stat.inpos)}',
-               f'homed={int(all(stat.homed[:self.joints]))}', f'period_ns={self.period_ns()}',
-               f'linear_units={stat.linear_units!r}', f'angular_units={stat.angular_units!r}',
-               f'room={self.stream.maxdepth}']
-        for number in range(self.joints):
-            joint = stat.joint[number]
-            values = (joint['output'], joint['min_position_limit'], joint['max_position_limit'], joint['min_ferror'])
-            out.append('joint=' + ','.join(repr(value) for value in values))
-        return 'facts ' + ' '.join(out)
-
-    def flush(self):
-        """Rows that a play before this one has left."""
-        while self.stream.readable:
-            self.stream.read()
-
-    def row(self, values):
-        while not self.stream.writable:
-            time.sleep(0.001)
-        self.stream.write(values)
-        self.written += 1
-        self.last = values
-
-    def ramp(self, begin, end):
-        """Rows over the way that a jog has left, smoothly."""
-        for k in range(1, RAMP + 1):
-            share = k / RAMP
-            weight = share ** 3 * (10 - 15 * share + 6 * share ** 2)
-            self.stream.write(end if k == RAMP else tuple(a + (b - a) * weight for a, b in zip(begin, end)))
-
-    def outputs(self):
-        self.stat.poll()
-        return tuple(self.stat.joint[j]['output'] for j in range(self.joints))
-
-    def take(self):
-        """Whether LinuxCNC still stands where the rows begin."""
-        self.stat.poll()
-        if not self.stands_at(self.place) or self.stat.task_state != self.linuxcnc.STATE_ON:
-            return False
-        self.hal.set_p(PLAY + '.fault-in', '0')
-        self.hal.set_p(PLAY + '.reset', '0')
-        time.sleep(0.003)
-        self.hal.set_p(PLAY + '.reset', '1')
-        for _ in range(50):
-            self.taken = self.pin(PLAY + '.ok-out')
-            if self.taken:
-                break
-            time.sleep(0.001)
-        return self.taken
-
-    def stands_at(self, place):
-        return all(abs(place[j] - self.stat.joint[j]['output']) <= self.near[j] for j in range(self.joints))
-
-    def release(self):
-        self.hal.set_p(PLAY + '.reset', '0')
-        self.hal.set_p(PLAY + '.fault-in', '1')
-        self.taken = False
-
-    def jog_to(self, place):
-        """Joint by joint, all at once, each by its own limits. While the axes follow rows they do not move with it."""
-        self.command.mode(self.linuxcnc.MODE_MANUAL)
-        self.command.wait_complete()
-        self.command.teleop_enable(0)
-        self.command.wait_complete()
-        for _ in range(5):
-            self.stat.poll()
-            ways = [place[j] - self.stat.joint[j]['output'] for j in range(self.joints)]
-            if self.stands_at(place):
-                self.place = place
-                return True
-            for j, way in enumerate(ways):
-                if abs(way) > self.near[j]:
-                    speed = self.speeds[j] if way > 0 else -self.speeds[j]
-                    self.command.jog(self.linuxcnc.JOG_INCREMENT, True, j, speed, abs(way))
-                    self.command.wait_complete()
-            if not self.wait_still():
-                return False
-        return False
-
-    def wait_still(self):
-        still, before = 0, None
-        for _ in range(60000):
-            time.sleep(0.02)
-            self.stat.poll()
-            if self.stat.task_state != self.linuxcnc.STATE_ON:
-                return False
-            now = [self.stat.joint[j]['output'] for j in range(self.joints)]
-            still = still + 1 if now == before else 0
-            before = now
-            if still >= 10:
-                return True
-        return False
-
-    def give_back(self, place):
-        """LinuxCNC goes to where the axes stand, then they follow it again. Whether it came there."""
-        if not self.jog_to(place):
-            return False
-        self.ramp(place, self.outputs())
-        self.run_dry()
-        self.release()
-        return True
-
-    def run_dry(self):
-        while self.stream.depth > 0 and self.pin(PLAY + '.ok-out'):
-            time.sleep(0.001)
-        time.sleep(0.01)
-
-    def play_to_standstill(self):
-        for values in self.plans.rows_behind(self.last, self.axes):
-            while not self.stream.writable and self.pin(PLAY + '.ok-out'):
-                time.sleep(0.001)
-            if not self.pin(PLAY + '.ok-out'):
-                return
-            self.stream.write(values)
-            self.last = values
-
-    def end(self):
-        """Whoever sent the rows has gone."""
-        if not self.taken:
+    def __init__(self, arguments):
+        self.socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        if os.fork() > 0:
             return
-        self.play_to_standstill()
-        self.run_dry()
-        if not self.pin(PLAY + '.ok-out'):
-            self.release()
-        elif self.last and not self.give_back(self.last):
-            print('the axes stay where the last row says; switch the machine off before anything else', file=sys.stderr)
+        self.socket.close()
+        try:
+            if theirs.recv(1) == b'M':  # the bridge has found its LinuxCNC
+                stand_by(theirs, Machine(*arguments, 'trunnion-spare'))
+        except Exception as error:
+            print(f'the bridge that stands by: {error}', file=sys.stderr)
+        finally:
+            os._exit(0)
 
-    def trouble(self):
-        """Why the axes do not follow the rows any more; nothing while they do."""
-        if not self.taken or self.pin(PLAY + '.ok-out'):
-            return None
-        for _ in range(50):  # until LinuxCNC's task has noticed as well
-            time.sleep(0.01)
-            self.stat.poll()
-            if self.stat.task_state == self.linuxcnc.STATE_ESTOP:
-                break
-        reasons = []
-        for _ in range(20):
-            message = self.errors.poll()
-            if not message:
-                break
-            reasons.append(str(message[1]))
-        state = {self.linuxcnc.STATE_ESTOP: 'E-stop', self.linuxcnc.STATE_OFF: 'machine off',
-                 self.linuxcnc.STATE_ESTOP_RESET: 'machine off'}
-        reasons.insert(0, state.get(self.stat.task_state, 'motion disabled'))
-        return ', '.join(reasons).replace('\n', ' ')
+    def tell(self, letter, values=()):
+        try:
+            self.socket.send(letter + struct.pack(f'{len(values)}d', *values))
+        except OSError:
+            pass  # it has gone
+
+    def is_ready(self, last):
+        """Whether it stands by and sees the last row in the streamer."""
+        self.tell(b'C', last)
+        readable, _, _ = select.select([self.socket], [], [], LONGEST_ANSWER_S)
+        return bool(readable) and self.socket.recv(1) == b'y'
 
 
-def serve(machine):
+def stand_by(bridge, machine):
+    while message := bridge.recv(4096):
+        values = struct.unpack(f'{len(message) // 8}d', message[1:])
+        if message[:1] == b'Q':
+            return
+        if message[:1] == b'X':
+            machine.axes = [round(value) for value in values]
+        elif message[:1] == b'C':
+            bridge.send(b'y' if Ring(machine.ring_key, machine.joints).tail()[-1] == values else b'n')
+    try:
+        say('lost')
+    except OSError:
+        pass  # whoever sent the rows has gone too
+    machine.take_over()
+
+
+def serve(machine, spare):
     size = 8 * machine.joints
     text, told, due = b'', 0.0, None
     say(machine.facts())
@@ -260,14 +103,17 @@ def serve(machine):
                 machine.row(values)
             elif letter == b'X':
                 machine.axes = [round(value) for value in values]
+                spare.tell(b'X', values)
             elif letter == b'T':
-                if not machine.take():
-                    say('halt it does not stand where the program begins any more')
+                if reason := machine.take():
+                    say('halt ' + reason)
             elif letter == b'A':
                 machine.flush()
                 good = machine.jog_to(values)
                 if good:
                     machine.ramp(machine.outputs(), values)
+                    if not spare.is_ready(values):
+                        print('no other bridge stands by: if this one is killed, no limit is held', file=sys.stderr)
                 say('done' if good else 'halt LinuxCNC did not go to where the program begins')
             elif letter == b'B':
                 say('done' if machine.give_back(values) else 'halt LinuxCNC did not take over the place')
@@ -282,16 +128,19 @@ def serve(machine):
 
 
 def main():
+    arguments = Plans(int(sys.argv[1])), int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    spare = Spare(arguments)
     try:
-        machine = Machine(Plans(int(sys.argv[1])), int(sys.argv[2]) if len(sys.argv) > 2 else 0)
-        machine.pin(PLAY + '.ok-out')
+        machine = Machine(*arguments, 'trunnion-bridge')
+        spare.tell(b'M')
     except Exception as error:  # whatever LinuxCNC's modules raise, it cannot be spoken to
         say(f'missing {type(error).__name__}: {error}'.replace('\n', ' '))
         return
     try:
-        serve(machine)
+        serve(machine, spare)
     finally:
         machine.end()
+        spare.tell(b'Q')
 
 
 if __name__ == '__main__':

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -17,8 +18,8 @@ namespace {
 
 using pipeline::LiveMotionStatus;
 
-/// A plan may last so long; it is planned anew before it ends. The buffer holds twice as much at 1 ms.
-constexpr double longest_plan_s = 6;
+/// A plan may last so long, and take this share of the buffer; it is planned anew before it ends.
+constexpr double longest_plan_s = 6, share_of_buffer = 0.7;
 constexpr int poll_ms = 1;
 
 double processor_s() {
@@ -37,7 +38,7 @@ class PlanningSide {
         : motion_(std::move(motion)),
           publisher_(
               motion_, [&](const auto& row) { return row_of(row, session.workplace.machine); }, *session.plans,
-              session.lead_rows),
+              session.lead_rows, session.kept_rows),
           commands_(commands),
           news_(news) {}
 
@@ -131,8 +132,9 @@ Result<void> plan_for(const PlaySession& session, int commands, int news) {
     const auto& workplace = session.workplace;
     const auto parts = open_program(session.job, workplace);
     if (!parts) return fail(parts.error());
-    auto motion =
-        pipeline::LiveMotion::make(**parts, workplace.machine, workplace.setup, workplace.options, longest_plan_s);
+    const auto rows = static_cast<double>(TRUNNION_PLAN_ROWS - session.kept_rows);
+    const double longest_s = std::min(longest_plan_s, share_of_buffer * rows * workplace.options.period_s);
+    auto motion = pipeline::LiveMotion::make(**parts, workplace.machine, workplace.setup, workplace.options, longest_s);
     if (!motion) return fail(motion.error());
     return PlanningSide(std::move(*motion), session, commands, news).run();
 }

@@ -14,6 +14,8 @@ namespace trunnion::app {
 
 namespace {
 
+constexpr std::uint64_t more_than_depth = 64;  // of rows that were given
+
 struct PlayOptions {
     JobOptions job;
     bool linuxcnc = false, dry_run = false, wait = false;
@@ -65,6 +67,9 @@ Result<PlaySession> prepare(const PlayOptions& options, Workplace workplace, tru
     const auto lead = periods_of("--lead", options.lead, out.workplace.options.period_s);
     if (!lead) return fail(lead.error());
     out.lead_rows = *lead;
+    const auto depth = periods_of("--depth", options.depth, out.workplace.options.period_s);
+    if (!depth) return fail(depth.error());
+    out.kept_rows = *depth + more_than_depth;
     for (const Diagnostic& assumed : out.workplace.diagnostics) print(assumed, options.job.quiet);
     if (auto good = check_program(options, out.workplace); !good) return fail(good.error());
     out.plans = &plans;

@@ -206,7 +206,7 @@ void LinuxcncSink::order(char letter, const trunnion_row* row) {
     (void)!write(bridge_.to, out.data(), out.size());
 }
 
-/// `s WRITTEN DEPTH`, or the end.
+/// `s WRITTEN DEPTH`, or the end; `lost` comes from the bridge that stood by.
 Result<void> LinuxcncSink::hear(const std::string& line) {
     std::uint64_t written = 0, waiting = 0;
     if (std::sscanf(line.c_str(), "s %lu %lu", &written, &waiting) == 2) {
@@ -215,6 +215,11 @@ Result<void> LinuxcncSink::hear(const std::string& line) {
         return {};
     }
     if (line.starts_with("halt ")) return fail(ended(line.substr(5)));
+    if (line == "lost")
+        return fail(
+            {.code = "RT0014",
+             .text = "the bridge to LinuxCNC was killed; another one plays the last plan to its standstill, and has "
+                     "LinuxCNC take over the place"});
     return {};
 }
 

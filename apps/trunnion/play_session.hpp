@@ -33,7 +33,8 @@ struct PlaySession {
     Workplace workplace;
     trunnion_plans* plans = nullptr;
     std::uint64_t lead_rows = 0;
-    std::string record;  ///< a file for the rows, or empty
+    std::uint64_t kept_rows = 0;  ///< in the plans, of those that were given: more than wait in LinuxCNC
+    std::string record;           ///< a file for the rows, or empty
     bool waits_for_start = false;
 };
 

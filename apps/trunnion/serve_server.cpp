@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -95,7 +96,9 @@ void OrderServer::begin(const trunnion_order& order) {
     failure_.reset();
     epoch_ = order.epoch;
     scale_ = 1;
-    held_ = closed_ = false;
+    largest_speed_ = std::numeric_limits<double>::infinity();
+    run_through_ = TRUNNION_RUN_ALL;
+    closed_ = false;
     memory_.orders.done_through = order.number;
     auto poses = WorldPoses::make(workplace_.machine, order.tool_length);
     if (!poses) return refuse(to_string(poses.error()));
@@ -119,12 +122,19 @@ void OrderServer::add(const trunnion_order& order) {
     closed_ = false;
 }
 
+void OrderServer::run_through(std::uint64_t number) {
+    if (number == 0) return now_->motion.hold();
+    const bool all = number == TRUNNION_RUN_ALL;
+    now_->motion.step_through(all ? std::nullopt : std::optional(static_cast<std::int32_t>(number)));
+    now_->motion.resume();
+}
+
 void OrderServer::pass_on_wishes() {
     const trunnion_orders& orders = memory_.orders;
     if (orders.feed_scale != scale_) now_->motion.set_override(scale_ = orders.feed_scale);
-    const bool hold = orders.hold != 0;
-    if (hold != held_) hold ? now_->motion.hold() : now_->motion.resume();
-    held_ = hold;
+    if (orders.largest_speed != largest_speed_) now_->motion.set_largest_speed(largest_speed_ = orders.largest_speed);
+    const std::uint64_t through = __atomic_load_n(&orders.run_through, __ATOMIC_ACQUIRE);
+    if (through != run_through_) run_through(run_through_ = through);
     if (!closed_ && orders.cycles - orders.last_order >= periods_of(quiet_s, orders.period_s, least_quiet)) {
         now_->motion.close();
         closed_ = true;
@@ -135,10 +145,12 @@ void OrderServer::advance() {
     trunnion_orders& orders = memory_.orders;
     const auto advance = now_->publisher.advance();
     if (!advance) {
-        failure_ = to_string(advance.error());
+        const bool left = advance.error().code == "RT0005";  // LinuxCNC does something else, and begins anew
+        if (!left) failure_ = to_string(advance.error());
         now_.reset();
         return;
     }
+    if (!now_->publisher.is_settled()) return;
     orders.done_through = static_cast<std::uint64_t>(now_->motion.done_at_standstill());
     const bool stands = advance->status != LiveMotionStatus::moving;
     if (orders.aborted != epoch_ || !stands) return;

@@ -57,6 +57,7 @@ class OrderServer {
     void begin(const trunnion_order& order);
     void add(const trunnion_order& order);
     void pass_on_wishes();
+    void run_through(std::uint64_t number);
     void advance();
     void refuse(const std::string& reason);
 
@@ -64,8 +65,9 @@ class OrderServer {
     const Workplace& workplace_;
     std::unique_ptr<Motion> now_;
     std::uint32_t epoch_ = 0;
-    double scale_ = 1;
-    bool held_ = false, closed_ = false;
+    double scale_ = 1, largest_speed_ = 0;
+    std::uint64_t run_through_ = TRUNNION_RUN_ALL;
+    bool closed_ = false;
     std::optional<std::string> failure_;  // of the motion under way; told if no other one is begun
     Heartbeat heartbeat_;
 };

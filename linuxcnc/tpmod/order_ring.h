@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #define TRUNNION_ORDER_CAPACITY 8192u /* a power of two */
+#define TRUNNION_RUN_ALL UINT64_MAX
 
 enum trunnion_order_kind {
     trunnion_order_begin = 1, /* what follows starts at rest at `end`; what is left of before is dropped */
@@ -44,7 +45,10 @@ struct trunnion_orders {
     volatile uint64_t cycles;     /* servo periods, ever */
     volatile uint64_t last_order; /* cycles when the last one was written */
     volatile double feed_scale;   /* of the present motion: an override, 0 … */
-    volatile uint32_t hold;       /* 1: stand as soon as the limits allow */
+    volatile double largest_speed; /* of the tip, mm/s, on every move that is not a turn alone; 0 or more */
+    /* Move by move up to this one, each to a standstill at its end; 0: stand as soon as the limits allow;
+       TRUNNION_RUN_ALL: all of them as they come. One word, so that a pause and a step cannot be mistaken. */
+    volatile uint64_t run_through;
     volatile uint32_t aborted;    /* the epoch that is to be stopped for good; 0: none */
     volatile double period_s;
     volatile uint32_t closed;     /* 1: the control has ended */

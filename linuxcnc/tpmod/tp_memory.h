@@ -9,7 +9,7 @@
 #include "order_ring.h"
 
 #define TRUNNION_TP_MEMORY "trunnion-tp"
-#define TRUNNION_TP_FORMAT 0x545250540001ull
+#define TRUNNION_TP_FORMAT 0x545250540002ull
 
 /* Rows of `plans` are poses as orders have them; `line` is the number of the move that a row lies on. */
 struct trunnion_tp_memory {

@@ -61,7 +61,7 @@ static struct {
 
     /* What LinuxCNC has said for the moves to come. */
     int next_id, joint, synchronised;
-    double tolerance, speed_cap, tool_length;
+    double tolerance, largest_speed, tool_length;
     int output_count;
     struct output outputs[outputs_of_a_move];
 
@@ -183,7 +183,6 @@ static int hand_over(struct trunnion_order *order, EmcPose const *end, int type,
     if (tp.aborting || moves_left() >= longest_queue - 1) return TP_ERR_FAIL;
     if (same_pose(end, &tp.goal) && order->kind == trunnion_order_line) return TP_ERR_ZERO_LENGTH;
     order->speed = speed < most ? speed : most;
-    if (tp.speed_cap > 0 && order->speed > tp.speed_cap) order->speed = tp.speed_cap;
     order->rapid = type == EMC_MOTION_TYPE_TRAVERSE;
     order->stop_first = at_speed != 0;
     if (!say_where_it_begins() || !trunnion_order_write(&tp.shared->orders, order)) return TP_ERR_FAIL;
@@ -261,12 +260,23 @@ int tpSetAout(TP_STRUCT *const unused, unsigned char index, double start, double
 
 /* --- one period ----------------------------------------------------------------------------------------------- */
 
+/* Between two moves the next one counts as the present, as with LinuxCNC's own planner. */
+static uint64_t present_number(void) { return tp.begun > tp.finished ? tp.begun : tp.finished + 1; }
+
+/* A step goes to the end of the present move; then LinuxCNC sees another id, and pauses. */
+static uint64_t run_through(void)
+{
+    if (tp.paused || tp.aborting) return 0;
+    return tp.status->stepping ? present_number() : TRUNNION_RUN_ALL;
+}
+
 static void say_what_is_wished(void)
 {
     struct trunnion_orders *orders = &tp.shared->orders;
     ++orders->cycles;
     orders->feed_scale = tp.status->net_feed_scale;
-    orders->hold = tp.paused || tp.aborting;
+    orders->largest_speed = tp.largest_speed;
+    __atomic_store_n(&orders->run_through, run_through(), __ATOMIC_RELEASE);
     orders->aborted = tp.aborting ? tp.epoch : 0;
 }
 
@@ -394,8 +404,10 @@ static void tell_status(void)
     else tp.status->enables_queued = tp.status->enables_new;
 }
 
+/* A pause with nothing queued is over, as with LinuxCNC's own planner: so it begins a program by a step. */
 int tpRunCycle(TP_STRUCT *const unused, long period_ns)
 {
+    if (moves_left() == 0) tp.paused = 0;
     say_what_is_wished();
     watch_the_planner();
     step(period_ns * 1e-9);
@@ -411,8 +423,7 @@ int tpIsDone(TP_STRUCT *const unused) { return moves_left() == 0; }
 int tpQueueDepth(TP_STRUCT *const unused) { return (int)moves_left(); }
 int tpActiveDepth(TP_STRUCT *const unused) { return moves_left() > 0; }
 int tpGetMotionType(TP_STRUCT *const unused) { return moves_left() > 0 ? note_of(tp.finished + 1)->type : 0; }
-/* Between two moves the next one counts as the present, as with LinuxCNC's own planner. */
-static struct move_note const *present_move(void) { return note_of(tp.begun > tp.finished ? tp.begun : tp.finished + 1); }
+static struct move_note const *present_move(void) { return note_of(present_number()); }
 int tpGetExecId(TP_STRUCT *const unused) { return moves_left() > 0 ? present_move()->id : 0; }
 struct state_tag_t tpGetExecTag(TP_STRUCT *const unused)
 {
@@ -455,7 +466,7 @@ int tpSetTermCond(TP_STRUCT *const unused, int cond, double tolerance)
     tp.tolerance = tolerance;
     return TP_ERR_OK;
 }
-int tpSetVlimit(TP_STRUCT *const unused, double limit) { tp.speed_cap = limit; return TP_ERR_OK; }
+int tpSetVlimit(TP_STRUCT *const unused, double limit) { tp.largest_speed = limit > 0 ? limit : 0; return TP_ERR_OK; }
 int tpSetVmax(TP_STRUCT *const unused, double vmax, double ini_maxvel) { return TP_ERR_OK; }
 int tpSetAmax(TP_STRUCT *const unused, double amax) { return TP_ERR_OK; }
 int tpSetCycleTime(TP_STRUCT *const unused, double seconds)
@@ -480,6 +491,7 @@ int tpCreate(TP_STRUCT *const unused, int queue_size, int id)
 {
     tp.must_begin = 1;
     tp.epoch = 1;
+    tp.largest_speed = HUGE_VAL;
     return tp.shared ? TP_ERR_OK : TP_ERR_FAIL;
 }
 

@@ -29,7 +29,7 @@ constexpr int ticks_between_trials = 4;
 
 /// Stops at the nearest place for which a plan is found, or where the plan in hand ends.
 Result<void> LivePlanner::State::stop(const Branch& branch) {
-    const auto look = look_ahead(branch, 1);
+    const auto look = look_ahead(branch, {});
     if (!look) return fail(look.error());
     const bool straight_down = look->steep && look->steep->worst <= dead_end;
     Result<std::optional<Descent>> found = look->steep;
@@ -57,8 +57,8 @@ Result<bool> LivePlanner::State::plan_stop(const Branch& branch, double way_mm, 
                                            const Guess& other) {
     Trial trial;
     trial.goal = grid_.place_at(grid_.distance_mm(branch.place) + way_mm);
-    trial.factor = override_;
-    trial.old_factor_until_mm = path_.length_mm();
+    trial.pace = pace_;
+    trial.old_pace_until_mm = path_.length_mm();
     trial.stop_mm = braking ? braking->length_mm : way_mm;
     trial.stand = true;
     if (braking) {
@@ -74,7 +74,7 @@ Result<bool> LivePlanner::State::plan_stop(const Branch& branch, double way_mm, 
 Result<void> LivePlanner::State::stop_sooner(const Branch& branch) {
     if (probes_left_ == 0 || branch.at_rest) return {};
     --probes_left_;
-    const auto look = look_ahead(branch, 1);
+    const auto look = look_ahead(branch, {});
     if (!look) return fail(look.error());
     const double here = grid_.distance_mm(branch.place), left = end_mm() - here;
     const double nearest = out_of_reach_mm_ - here;
@@ -91,7 +91,7 @@ Result<void> LivePlanner::State::stop_sooner(const Branch& branch) {
 
 /// Goes on under new commands.
 Result<void> LivePlanner::State::go_on(const Branch& branch) {
-    const auto look = look_ahead(branch, override_);
+    const auto look = look_ahead(branch, pace_);
     if (!look) return fail(look.error());
     next_trial_ = ticks_ + ticks_between_trials;
     if (must_stand(look->intervals, limits_, branch.start)) return {};
@@ -118,13 +118,13 @@ Result<void> LivePlanner::State::go_on(const Branch& branch) {
 Result<bool> LivePlanner::State::go_on_to(PathPlace goal, const Branch& branch, const Look& look) {
     Trial trial;
     trial.goal = goal;
-    trial.factor = override_;
+    trial.pace = pace_;
     trial.stop_mm = look.stop_mm;
     trial.window = window_for(branch, look);
     const double here = grid_.distance_mm(branch.place), way = grid_.distance_mm(goal) - here;
     if (look.steep && way < near_goal * look.steep->length_mm)
         trial.guess = {.braking = &*look.steep, .delay_mm = way - look.steep->length_mm};
-    if (factor_in_hand(here) <= override_) return plan(branch, trial);
+    if (!pace_in_hand(here).above(pace_)) return plan(branch, trial);
     const auto down = shortest_descent(look.intervals, limits_, branch.start);
     if (!down) return false;
     trial.guess.braking = &*down;
@@ -134,7 +134,7 @@ Result<bool> LivePlanner::State::go_on_to(PathPlace goal, const Branch& branch, 
     trial.level_mm = share_of_levelling * std::max(levelling, least_levelling * look.stop_mm);
     do {
         const Lift& lift = lifts[next_lift_];
-        trial.old_factor_until_mm = here + lift.of_descent * down->length_mm + lift.of_stop * look.stop_mm;
+        trial.old_pace_until_mm = here + lift.of_descent * down->length_mm + lift.of_stop * look.stop_mm;
         const auto done = plan(branch, trial);
         if (!done || *done) return done;
         next_lift_ = (next_lift_ + 1) % lifts.size();
@@ -153,8 +153,8 @@ Result<void> LivePlanner::State::extend(double earliest_s) {
     if (branch.at_rest) return {};
     Trial trial;
     trial.goal = goal();
-    trial.factor = now_.made_for.factor;
-    trial.old_factor_until_mm = old_factor_until(branch);
+    trial.pace = now_.made_for.pace;
+    trial.old_pace_until_mm = old_pace_until(branch);
     if (grid_.distance_mm(trial.goal) <= end_mm() + same_place_mm) return {};
     trial.guess.blank = failed_trials_ % 2 == 1;
     const auto done = plan(branch, trial, now_.made_for);
@@ -163,11 +163,11 @@ Result<void> LivePlanner::State::extend(double earliest_s) {
     return {};
 }
 
-/// Up to where the plan in hand still goes by a higher override than the one it was made for.
-double LivePlanner::State::old_factor_until(const Branch& branch) const {
+/// Up to where the plan in hand still goes by a higher pace than the one it was made for.
+double LivePlanner::State::old_pace_until(const Branch& branch) const {
     double out = grid_.distance_mm(branch.place);
     for (std::size_t k = std::max<std::size_t>(branch.kept, 1) - 1;
-         k < now_.steps.size() && now_.steps[k].factor > now_.made_for.factor; ++k)
+         k < now_.steps.size() && now_.steps[k].pace.above(now_.made_for.pace); ++k)
         out = grid_.distance_mm(now_.steps[k].cell.begin) + now_.steps[k].cell.length_mm;
     return out;
 }

@@ -10,6 +10,7 @@ bool LivePlanner::State::take_over(const State& other, const SamePath& same) {
     const std::size_t present = steps.empty() ? 0 : other.step_at(other.present_s());
     now_ = other.now_;
     now_.steps.clear();
+    now_.block_goal.reset();
     for (std::size_t k = present; k < steps.size(); ++k) {
         Step step = steps[k];
         if (step.cell.begin.piece < same.pieces_behind || step.cell.block < same.blocks_behind) return false;
@@ -20,7 +21,8 @@ bool LivePlanner::State::take_over(const State& other, const SamePath& same) {
     }
     now_.border -= std::min(now_.border, present);
     held_ = other.held_;
-    override_ = other.override_;
+    single_block_ = other.single_block_;
+    pace_ = other.pace_;
     command_lead_ = other.command_lead_;
     way_lead_ = other.way_lead_;
     ticks_ = other.ticks_;
@@ -32,9 +34,9 @@ bool LivePlanner::State::take_over(const State& other, const SamePath& same) {
 }
 
 /// Where the plan in hand stands on pieces that are the same it is one of the longer path too, and is made longer like
-/// any other. Else it must be left before.
+/// any other. Else it must be left before. A single block that is under way goes to its end first.
 Result<bool> LivePlanner::State::go_on_from(const State& other, const SamePath& same) {
-    if (other.single_block_ || !take_over(other, same)) return false;
+    if ((other.single_block_ && other.periods_left() > 0) || !take_over(other, same)) return false;
     const auto differs =
         std::ranges::find_if(now_.steps, [&](const Step& step) { return step.cell.begin.piece >= same.same_pieces; });
     if (differs != now_.steps.end() || now_.steps.empty() != other.now_.steps.empty())
@@ -56,8 +58,8 @@ Result<bool> LivePlanner::State::leave_before(std::size_t last) {
         if (branch.at_rest) continue;
         Trial trial;
         trial.goal = goal();
-        trial.factor = override_;
-        trial.old_factor_until_mm = old_factor_until(branch);
+        trial.pace = pace_;
+        trial.old_pace_until_mm = old_pace_until(branch);
         trial.guess.blank = true;  // behind `last` the plan in hand is of another path, and a guess must not jump
         const auto done = plan(branch, trial);
         if (!done || *done) return done;

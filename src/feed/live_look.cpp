@@ -41,35 +41,66 @@ LivePlanner::State::State(const path::AxisPath& path, const FeedOptions& options
       window_(base_),
       grid_(sampler_) {}
 
-/// The one place where an override meets the samples: it scales the programmed feed, on a rapid the velocity limits. A
-/// chord error is not scaled.
-void LivePlanner::State::apply_override(double factor, Interval& interval) const {
-    const auto scale = [factor](PathSample& s) {
-        for (double* rate : {&s.q1[programmed_feed], &s.q2[programmed_feed], &s.q3[programmed_feed]}) *rate /= factor;
-    };
-    const auto hold_to = [](double rate, PathSample& s) {
-        s.q1[programmed_feed] = rate;
-        s.q2[programmed_feed] = s.q3[programmed_feed] = 0;
-    };
-    const double rapid_rate = path_.tool_path().rapid && factor < 1 ? fastest_rate(interval, limits_) / factor : 0;
-    const auto apply = [&](PathSample& s) {
-        if (rapid_rate > 0) return hold_to(rapid_rate, s);
-        if (!interval.chord || factor < 1) scale(s);
-    };
-    for (PathSample& s : interval.samples) apply(s);
-    for (ArcSample& at : interval.arc) apply(at.sample);
+/// The factor of a programmed tip speed that a pace comes to.
+double LivePlanner::State::factor_of(const Pace& pace, std::size_t block) const {
+    const auto& blocks = path_.tool_path().blocks;
+    if (blocks.empty() || blocks[block].feed.rule != path::FeedRule::tip_speed) return pace.factor;
+    return std::min(pace.factor, pace.largest_mm_s / blocks[block].feed.value);
 }
 
-Result<Interval> LivePlanner::State::sample(const Cell& cell, double factor) const {
+/// The largest rate of the tip's way at the ends and in the middle of a cell.
+double LivePlanner::State::fastest_tip(const Cell& cell) const {
+    double out = 0;
+    path::AxisSample at;
+    for (const double part : {0.0, 0.5, 1.0}) {
+        path_.evaluate({cell.begin.piece, cell.begin.offset_mm + part * cell.length_mm}, at);
+        out = std::max(out, at.feed_rate);
+    }
+    return out;
+}
+
+/// The one place where a pace meets the samples: its factor scales the programmed feed, on a rapid the velocity limits;
+/// a chord error is not scaled. The largest speed of the tip is a lower feed, or where no speed of the tip is
+/// programmed a bound that is constant on the interval; moves that only turn have none.
+void LivePlanner::State::apply(const Pace& pace, const Cell& cell, Interval& interval) const {
+    const path::ToolPath& tool = path_.tool_path();
+    const auto rule = tool.blocks.empty() ? path::FeedRule::none : tool.blocks[cell.block].feed.rule;
+    const bool lowers_feed = rule == path::FeedRule::tip_speed && !tool.rapid && !interval.chord;
+    const bool bounds = !lowers_feed && rule != path::FeedRule::rotary_rate && std::isfinite(pace.largest_mm_s);
+    const double factor = lowers_feed ? factor_of(pace, cell.block) : pace.factor;
+    double rate = bounds ? fastest_tip(cell) / pace.largest_mm_s : 0;
+    if (tool.rapid && factor < 1) rate = std::max(rate, fastest_rate(interval, limits_) / factor);
+    const auto each = [&interval](const auto& what) {
+        for (PathSample& s : interval.samples) what(s);
+        for (ArcSample& at : interval.arc) what(at.sample);
+    };
+    if (!interval.chord || factor < 1)
+        each([factor](PathSample& s) {
+            for (double* q : {&s.q1[programmed_feed], &s.q2[programmed_feed], &s.q3[programmed_feed]}) *q /= factor;
+        });
+    bool counts = false;
+    const double bound = rate;
+    each([&](const PathSample& s) {
+        counts = counts || s.q1[programmed_feed] < bound;
+        rate = std::max(rate, s.q1[programmed_feed]);
+    });
+    if (counts)
+        each([rate](PathSample& s) {
+            s.q1[programmed_feed] = rate;
+            s.q2[programmed_feed] = s.q3[programmed_feed] = 0;
+        });
+}
+
+Result<Interval> LivePlanner::State::sample(const Cell& cell, const Pace& pace) const {
     auto out = sample_cell(sampler_, cell);
-    if (out) apply_override(factor, *out);
+    if (out) apply(pace, cell, *out);
     return out;
 }
 
 /// The way ahead, as far as a stop takes by the limits of this place, or so much farther that it is enough.
-Result<LivePlanner::State::Look> LivePlanner::State::look_ahead(const Branch& branch, double factor) const {
+Result<LivePlanner::State::Look> LivePlanner::State::look_ahead(const Branch& branch, const Pace& pace) const {
     Look out;
-    const auto first = survey(branch, factor, same_place_mm);
+    const auto first = survey(branch, pace, same_place_mm);
     if (!first) return fail(first.error());
     double acceleration = std::numeric_limits<double>::max(), jerk = acceleration;
     for (int c = 0; c < coordinates; ++c) {
@@ -82,7 +113,7 @@ Result<LivePlanner::State::Look> LivePlanner::State::look_ahead(const Branch& br
     out.stop_mm = stopping_distance_mm(std::sqrt(branch.start.x), branch.start.d / 2, acceleration, jerk);
     out.reach_mm = look_margin * out.stop_mm;
     for (int k = 0; k < most_looks; ++k, out.reach_mm *= 2) {
-        auto intervals = survey(branch, factor, out.reach_mm);
+        auto intervals = survey(branch, pace, out.reach_mm);
         if (!intervals) return fail(intervals.error());
         out.intervals = std::move(*intervals);
         out.steep = shortest_stop(out.intervals, limits_, branch.start, Braking::hardest);
@@ -92,11 +123,12 @@ Result<LivePlanner::State::Look> LivePlanner::State::look_ahead(const Branch& br
 }
 
 /// Samples the next `reach_mm` of the plan in hand.
-Result<std::vector<Interval>> LivePlanner::State::survey(const Branch& branch, double factor, double reach_mm) const {
+Result<std::vector<Interval>> LivePlanner::State::survey(const Branch& branch, const Pace& pace,
+                                                         double reach_mm) const {
     const double here = grid_.distance_mm(branch.place), reach = std::min(reach_mm, end_mm() - here);
     std::vector<Interval> out;
     for (const Cell& cell : grid_.even_cells(branch.place, grid_.place_at(here + reach), reach / look_cells)) {
-        auto sampled = sample(cell, factor);
+        auto sampled = sample(cell, pace);
         if (!sampled) return fail(sampled.error());
         out.push_back(std::move(*sampled));
     }
@@ -110,7 +142,7 @@ Result<std::optional<Descent>> LivePlanner::State::first_stop(const Branch& bran
     const double here = grid_.distance_mm(branch.place);
     double reach = look.reach_mm;
     for (int k = 0; k < most_looks; ++k, reach *= 2) {
-        const auto intervals = survey(branch, 1, reach);
+        const auto intervals = survey(branch, {}, reach);
         if (!intervals) return fail(intervals.error());
         if (auto later = later_stop(*intervals, branch)) return later;
         if (here + reach >= end_mm()) break;

@@ -26,6 +26,21 @@ Diagnostic problem(std::string code, std::string text, double value, std::string
 
 }  // namespace
 
+void LivePlanner::State::set_pace(const Pace& pace) {
+    if (pace == pace_) return;
+    pace_ = pace;
+    next_lift_ = 0;
+}
+
+/// Whether another pace makes no difference on the plan in hand: a largest speed above what is programmed.
+bool LivePlanner::State::means_the_same(const Wish& wish) const {
+    const Wish& is = now_.made_for;
+    if (is.stand || wish.stand || is.single_block != wish.single_block || path_.tool_path().rapid) return false;
+    return std::ranges::all_of(now_.steps, [&](const Step& step) {
+        return factor_of(step.pace, step.cell.block) == factor_of(wish.pace, step.cell.block);
+    });
+}
+
 void LivePlanner::State::resume() {
     held_ = false;
     if (present_s() >= now_.end_s) now_.waits = false;
@@ -128,6 +143,7 @@ Result<void> LivePlanner::State::follow(bool may_plan) {
     const double soonest_s = static_cast<double>(ticks_ + periods_ahead) * period_s_;
     if (now_.end_s <= soonest_s) return restart(now_.steps.empty() ? present_s() : soonest_s);
     if (!may_plan) return {};
+    if (now_.made_for != wish() && means_the_same(wish())) now_.made_for = wish();
     if (now_.made_for == wish() && !now_.made_for.stand) return extend(effect_s(way_lead_));
     const Branch branch = branch_at(effect_s(command_lead_));
     if (branch.at_rest) return {};
@@ -146,7 +162,7 @@ Result<void> LivePlanner::State::restart(double begin_s) {
     branch.at_rest = true;
     if (present_s() < now_.end_s) return {};
     Trial trial;
-    trial.factor = override_;
+    trial.pace = pace_;
     now_.block_goal.reset();
     if (single_block_) now_.block_goal = block_end(block_at(grid_.distance_mm(branch.place)));
     trial.goal = goal();
@@ -186,6 +202,11 @@ Result<void> LivePlanner::set_rapid_override(double factor) {
     if (!(factor >= 0 && factor <= largest_rapid_override))
         return fail(problem("FEED0010", "a rapid override must lie between 0 and 1", factor, "0…1"));
     state_->set_override(true, factor);
+    return {};
+}
+Result<void> LivePlanner::set_largest_speed(double mm_s) {
+    if (!(mm_s >= 0)) return fail(problem("FEED0010", "a largest speed must not be below 0", mm_s, "0 mm/s"));
+    state_->set_largest_speed(mm_s);
     return {};
 }
 void LivePlanner::hold() {

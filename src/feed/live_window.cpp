@@ -78,9 +78,9 @@ const LivePlanner::State::Step* LivePlanner::State::step_over(double p_mm) const
     return next == now_.steps.begin() ? nullptr : &*(next - 1);
 }
 
-double LivePlanner::State::factor_in_hand(double p_mm) const {
+LivePlanner::State::Pace LivePlanner::State::pace_in_hand(double p_mm) const {
     const Step* step = step_over(p_mm);
-    return step ? step->factor : 0;
+    return step ? step->pace : Pace{0, 0};
 }
 
 /// The plan in hand at a place; x = 0 where it has none or comes to its standstill.
@@ -127,9 +127,8 @@ Course LivePlanner::State::course(const Branch& branch, const Trial& trial) cons
         out.begin.push_back({share_of_change * branch.start.x / std::abs(branch.start.d), 0, rest_growth});
     if (trial.stop_mm > 0)
         out.begin.push_back({trial.stop_mm / cells_of_a_stop, flat_of_a_stop * trial.stop_mm, command_growth});
-    if (trial.old_factor_until_mm > grid_.distance_mm(out.from) &&
-        trial.old_factor_until_mm < grid_.distance_mm(out.to))
-        out.focus = {grid_.place_at(trial.old_factor_until_mm), trial.level_mm};
+    if (trial.old_pace_until_mm > grid_.distance_mm(out.from) && trial.old_pace_until_mm < grid_.distance_mm(out.to))
+        out.focus = {grid_.place_at(trial.old_pace_until_mm), trial.level_mm};
     if (out.exact_stop) out.end.push_back({0, 0, trial.stand ? stop_growth : rest_growth});
     return out;
 }
@@ -212,8 +211,8 @@ Result<std::vector<LivePlanner::State::Step>> LivePlanner::State::solve(const Br
     for (std::size_t k = 0; k < cells.size(); ++k) {
         const double p = grid_.distance_mm(cells[k].begin);
         steps[k].cell = cells[k];
-        steps[k].factor = p < trial.old_factor_until_mm ? std::max(trial.factor, factor_in_hand(p)) : trial.factor;
-        auto sampled = sample(cells[k], steps[k].factor);
+        steps[k].pace = p < trial.old_pace_until_mm ? trial.pace.or_faster(pace_in_hand(p)) : trial.pace;
+        auto sampled = sample(cells[k], steps[k].pace);
         if (!sampled) return fail(sampled.error());
         intervals.push_back(std::move(*sampled));
     }

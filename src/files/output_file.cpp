@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <utility>
 
@@ -28,6 +29,27 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 std::string name_of_descriptor(int descriptor) {
     return fmt::format("/proc/self/fd/{}", descriptor);
 }
+
+bool link_descriptor(int descriptor, const std::filesystem::path& path) {
+    const std::string nameless = name_of_descriptor(descriptor);
+    return ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) == 0;
+}
+
+/// While it lives no signal comes to this thread: whoever ends the program at once would leave a temporary name.
+class SignalsHeld {
+  public:
+    SignalsHeld() {
+        sigset_t all;
+        ::sigfillset(&all);
+        ::pthread_sigmask(SIG_BLOCK, &all, &before_);
+    }
+    ~SignalsHeld() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    SignalsHeld(const SignalsHeld&) = delete;
+    SignalsHeld& operator=(const SignalsHeld&) = delete;
+
+  private:
+    sigset_t before_{};
+};
 
 /// What has no disk below it cannot be synchronised; that is no error.
 bool on_disk(int descriptor) {
@@ -124,22 +146,28 @@ void OutputFile::rewrite_start(std::string_view bytes) {
 
 void OutputFile::give_name() {
     if (!nameless_) return;
-    const std::string nameless = name_of_descriptor(descriptor_);
-    const auto link = [&] {
-        return ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) == 0;
-    };
+    const auto link = [&] { return link_descriptor(descriptor_, temporary_); };
     bool linked = link();
     if (!linked && errno == EEXIST) linked = ::unlink(temporary_.c_str()) == 0 && link();  // of a killed program
     failed_ = !linked;
     nameless_ = !linked;
 }
 
-/// The bytes first, then the name: never a name without its bytes.
+/// The bytes first, then the name: never a name without its bytes. A temporary name only where there is a file to
+/// replace.
 std::error_code OutputFile::take_place() {
     std::error_code error;
     if (in_place_) return error;
     failed_ = !on_disk(descriptor_);
-    if (!failed_) give_name();
+    if (failed_) return error;
+    const SignalsHeld held;
+    if (nameless_ && link_descriptor(descriptor_, path_)) {
+        nameless_ = false;
+        ::unlink(temporary_.c_str());  // of a killed program
+        synchronise_folder(folder_of(path_));
+        return error;
+    }
+    give_name();
     if (failed_) return error;
     std::filesystem::rename(temporary_, path_, error);
     if (!error) synchronise_folder(folder_of(path_));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "trunnion/feed/live_planner.hpp"
@@ -28,6 +29,7 @@ constexpr std::size_t known_for_a_new = 4;
 constexpr std::size_t between_trials = 50;  // periods; twice as many after each trial that failed
 constexpr int most_doublings = 5;
 constexpr double largest_override = 2;
+constexpr double at_border_mm = 1e-8;  // of two moves
 
 /// How many pieces of a leg that is open are the same when more moves come.
 std::size_t known_pieces(const path::ToolPath& path) {
@@ -48,8 +50,10 @@ class QueueMotion::State {
     void add(const QueuedMove& move);
     void close();
     void set_override(double factor);
+    void set_largest_speed(double mm_s);
     void hold();
     void resume();
+    void step_through(std::optional<std::int32_t> number);
     Result<LiveMotionState> tick(bool may_plan);
     std::int32_t done_at_standstill() const;
     const LiveRow& row() const { return row_; }
@@ -78,6 +82,7 @@ class QueueMotion::State {
     void set_end();
     void end_leg();
     void pass_on_commands();
+    void go_on_behind_a_step();
     LiveRow row_of(const UnderWay& under_way, const feed::LiveState& state) const;
 
     const machine::Machine& machine_;
@@ -93,8 +98,9 @@ class QueueMotion::State {
     LiveRow row_;
     std::size_t plans_ = 0, ticks_ = 0, next_trial_ = 0;
     int failed_trials_ = 0;  // in a row
-    double override_ = 1;
+    double override_ = 1, largest_speed_mm_s_ = std::numeric_limits<double>::infinity();
     bool held_ = false;
+    std::optional<std::int32_t> step_;  // the last move that may be run, to its end
 };
 
 QueueMotion::State::State(const machine::Machine& machine, double tool_length_mm, const QueuedPose& begin,
@@ -124,10 +130,16 @@ void QueueMotion::State::pass_on_commands() {
     if (!now_.planner) return;
     (void)now_.planner->set_feed_override(override_);
     (void)now_.planner->set_rapid_override(std::min(override_, 1.0));
+    (void)now_.planner->set_largest_speed(largest_speed_mm_s_);
+    now_.planner->set_single_block(step_.has_value());
     if (held_) now_.planner->hold();
 }
 void QueueMotion::State::set_override(double factor) {
     override_ = std::clamp(factor, 0.0, largest_override);
+    pass_on_commands();
+}
+void QueueMotion::State::set_largest_speed(double mm_s) {
+    largest_speed_mm_s_ = mm_s;
     pass_on_commands();
 }
 void QueueMotion::State::hold() {
@@ -137,6 +149,16 @@ void QueueMotion::State::hold() {
 void QueueMotion::State::resume() {
     held_ = false;
     if (now_.planner) now_.planner->resume();
+}
+void QueueMotion::State::step_through(std::optional<std::int32_t> number) {
+    step_ = number;
+    pass_on_commands();
+}
+
+/// A single block's end is a standstill until the next step, and that may be allowed already.
+void QueueMotion::State::go_on_behind_a_step() {
+    const bool stands = now_.planner && now_.planner->periods_left() == 0;
+    if (stands && !held_ && (!step_ || done_at_standstill() < *step_)) now_.planner->resume();
 }
 
 bool QueueMotion::State::enough_to_begin() const {
@@ -164,7 +186,7 @@ Result<bool> QueueMotion::State::take_up() {
         done = make_legs(next_.back().open ? next_.back().first : taken_up_ + 1);
     } else if (!now_.leg.open) {
         done = make_legs(taken_up_ + 1);
-    } else if (ticks_ < next_trial_) {
+    } else if (ticks_ < next_trial_ || (step_ && now_.planner->periods_left() > 0)) {
         return false;
     } else {
         done = lengthen();
@@ -271,7 +293,7 @@ Result<bool> QueueMotion::State::join(const Leg& anew) {
 }
 
 Result<bool> QueueMotion::State::begin_leg() {
-    if (next_.empty()) return false;
+    if (next_.empty() || (step_ && next_.front().first > *step_)) return false;
     now_.leg = std::move(next_.front());
     next_.pop_front();
     auto planner = LivePlanner::make(*now_.leg.stretch->axis_path, options_.plan.feed, options_.plan.period_s,
@@ -292,7 +314,7 @@ Result<LiveMotionState> QueueMotion::State::tick(bool may_plan) {
     out.status = LiveMotionStatus::waiting;
     ++ticks_;
     const bool under_way = now_.planner && now_.planner->periods_left() > 0;
-    const bool shall_stand = held_ || override_ == 0;
+    const bool shall_stand = held_ || override_ == 0 || largest_speed_mm_s_ == 0;
     if (!under_way || (may_plan && !shall_stand)) {
         const auto taken = take_up();
         if (!taken) return fail(taken.error());
@@ -303,6 +325,7 @@ Result<LiveMotionState> QueueMotion::State::tick(bool may_plan) {
         if (!begun) return fail(begun.error());
         if (!*begun) return out;
     }
+    go_on_behind_a_step();
     const bool was_under_way = now_.planner->periods_left() > 0;
     const auto state = now_.planner->tick(may_plan);
     if (!state) return fail(state.error());
@@ -319,15 +342,20 @@ Result<LiveMotionState> QueueMotion::State::tick(bool may_plan) {
 }
 
 std::int32_t QueueMotion::State::done_at_standstill() const {
-    if (!now_.planner) return next_.empty() && not_taken_up() == 0 ? newest_ : done_;
+    if (!now_.planner && !next_.empty()) return next_.front().first - 1;
+    if (!now_.planner) return not_taken_up() == 0 ? newest_ : done_;
     const feed::LiveState end = now_.planner->ahead(now_.planner->periods_left());
     if (end.status == feed::LiveStatus::finished) return now_.leg.last;
     return now_.leg.stretch->tool_path.blocks[end.block].line - 1;
 }
 
+/// Where a move ends and the next one begins it is still the first.
 LiveRow QueueMotion::State::row_of(const UnderWay& under_way, const feed::LiveState& state) const {
     const Stretch& stretch = *under_way.leg.stretch;
-    return {stretch.axis_path->position(state.place), stretch.tool_path.blocks[state.block].line};
+    const auto& blocks = stretch.tool_path.blocks;
+    const double p_mm = stretch.tool_path.pieces[state.place.piece].begin_mm + state.place.offset_mm;
+    const bool at_end = state.block > 0 && p_mm <= blocks[state.block - 1].end_mm + at_border_mm;
+    return {stretch.axis_path->position(state.place), blocks[at_end ? state.block - 1 : state.block].line};
 }
 
 void QueueMotion::State::rows_ahead(std::vector<LiveRow>& rows) const {
@@ -378,11 +406,17 @@ void QueueMotion::close() {
 void QueueMotion::set_override(double factor) {
     state_->set_override(factor);
 }
+void QueueMotion::set_largest_speed(double mm_s) {
+    state_->set_largest_speed(mm_s);
+}
 void QueueMotion::hold() {
     state_->hold();
 }
 void QueueMotion::resume() {
     state_->resume();
+}
+void QueueMotion::step_through(std::optional<std::int32_t> number) {
+    state_->step_through(number);
 }
 Result<LiveMotionState> QueueMotion::tick(bool may_plan) {
     return state_->tick(may_plan);

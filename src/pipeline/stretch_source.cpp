@@ -62,6 +62,7 @@ NextElement StretchSource::next() {
 NextElement StretchSource::begin_run() {
     if (!part_)
         if (auto taken = take_next_part(); !taken) return fail(taken.error());
+    if (!part_) return std::nullopt;
     auto more = part_->builder->next(run_);
     if (!more) return fail(more.error());
     smoothed_.clear();

@@ -237,6 +237,42 @@ def rapid_override(panel):
 
 
 @scenario
+def largest_velocity(panel):
+    """The slider of the largest velocity: it counts for what is under way, is given back, and holds for rapids too."""
+    def speeds(begin, end=None):
+        return numpy.linalg.norm(numpy.diff(panel.rows(begin, end)[:, :3], axis=0), axis=1) / panel.period_s
+
+    panel.start(HEAD + 'F4800\n' + ''.join(f'G1 X{k % 2 * 300} Y{5 * k}\n' for k in range(1, 9)) + 'G0 X0 Y0\nM2\n')
+    panel.until_line(4)
+    for largest in (30, 10, 60):
+        before = float(speeds(panel.mark() - 30).max())
+        begin = panel.mark()
+        panel.command.maxvel(largest)
+        panel.for_a_while(1.5)
+        measured = speeds(begin)
+        late = numpy.nonzero(measured > largest * 1.001)[0]
+        reached = (late[-1] + 1 if len(late) else numpy.nonzero(measured > 0.99 * largest)[0][0]) * panel.period_s
+        panel.note(f'{before:.1f} to {largest} mm/s: {reached:.3f} s after the command, then at most {measured[-500:].max():.3f}')
+        assert reached < 0.7 and 0.99 * largest < measured[-500:].max() < 1.001 * largest, measured[-500:].max()
+    panel.command.feedrate(1.2)
+    panel.for_a_while(0.5)
+    begin = panel.mark()
+    panel.until_idle()
+    assert 59 < speeds(begin).max() < 60.1, speeds(begin).max()
+    panel.command.maxvel(0)
+    begin = panel.mark()
+    panel.start('G21 G90 G94\nG1 X20 F600\nM2\n')
+    panel.for_a_while(1)
+    assert speeds(begin).max() == 0
+    panel.command.maxvel(1000)
+    panel.command.feedrate(1)
+    panel.until_idle()
+    panel.expect_place([20, 0, 0, 0, 0], 1e-9)
+    panel.expect_limits()
+    panel.expect_nothing_said()
+
+
+@scenario
 def abort_and_go_on(panel):
     panel.start(sine(panel))
     panel.until_line(800)
@@ -270,6 +306,131 @@ def mdi_and_jog_between(panel):
     panel.mdi('G0 X0 Y0 Z0 A0 C0')
     panel.expect_place([0] * 5, 1e-9)
     panel.expect_limits(begin)
+    panel.expect_nothing_said()
+
+
+CORNERS = HEAD + 'F3000\n' + ''.join(f'G1 X{20 * (k % 2)} Y{4 * k} A{3 * (k % 2)} C{2 * k}\n' for k in range(1, 9)) + (
+    'G3 X0 Y52 I0 J10 A0 C0\nG0 X20\nG1 X0 Y0\nM2\n')
+
+
+def off_corner(panel, line):
+    """How far LinuxCNC's commanded place is from the end of a line of CORNERS, mm or degrees."""
+    at = dict(zip('XYZABC', panel.look().position))
+    words = CORNERS.splitlines()[line - 1].split()[1:]
+    return max(abs(at[word[0]] - float(word[1:])) for word in words if word[0] in at)
+
+
+def step_and_stand(panel):
+    """Whether it moved."""
+    begin = panel.mark()
+    panel.step()
+    panel.for_a_while(0.4)
+    panel.until_it_stands()
+    panel.for_a_while(0.2)
+    assert panel.stands(100)
+    return bool(numpy.ptp(panel.rows(begin), axis=0).max() > 0)
+
+
+@scenario
+def begun_by_a_step(panel):
+    """LinuxCNC hands over a line a step: each is moved to its end, and no farther."""
+    panel.load(CORNERS)
+    lines = []
+    for _ in range(20):
+        if step_and_stand(panel):
+            lines.append(lines[-1] + 1 if lines else panel.stat.motion_line)
+            assert off_corner(panel, lines[-1]) < 1e-9, (lines, panel.stat.position)
+        if panel.idle():
+            break
+    assert panel.idle() and lines == list(range(3, 14)), (lines, panel.stat.interp_state)
+    panel.expect_place([0] * 5, 1e-9)
+    panel.expect_limits()
+    panel.expect_nothing_said()
+
+
+@scenario
+def runs_on_behind_steps(panel):
+    """A program that is begun by steps, and that LinuxCNC has not read to its end when it is let go."""
+    text = sine(panel)
+    panel.load(text)
+    moved = [step_and_stand(panel) for _ in range(8)]
+    panel.note(f'moved in {moved}')
+    assert sum(moved) >= 3
+    panel.resume()
+    panel.until_it_moves()
+    panel.until_idle()
+    panel.expect_place(ends(panel, text), 1e-6)
+    panel.expect_limits()
+    panel.expect_nothing_said()
+
+
+@scenario
+def pause_and_step(panel):
+    """Behind a pause every step goes to the end of a move, on the path with its corners rounded; then the program runs on."""
+    panel.start(CORNERS)
+    panel.until_line(5)
+    panel.pause()
+    panel.until_it_stands()
+    first = panel.stat.motion_line
+    for line in range(first, 13):
+        assert step_and_stand(panel)
+        panel.note(f'line {line}: {off_corner(panel, line):.4f} mm off')
+        assert off_corner(panel, line) <= 0.02, (line, panel.stat.position)
+    panel.resume()
+    panel.until_idle()
+    panel.expect_place([0] * 5, 1e-9)
+    panel.expect_limits()
+    panel.expect_nothing_said()
+
+
+@scenario
+def steps_in_dense_blocks(panel):
+    text = sine(panel)
+    panel.start(text)
+    panel.until_line(800)
+    panel.pause()
+    panel.until_it_stands()
+    line = panel.stat.motion_line
+    for k in range(1, 6):
+        assert step_and_stand(panel)
+        assert panel.stat.motion_line == line + k, (panel.stat.motion_line, line)
+    begin = panel.mark()
+    panel.resume()
+    panel.until_it_moves()
+    panel.until_idle()
+    gaps = standstills(panel, begin)
+    panel.note(f'standstills after it ran on {gaps}')
+    assert not gaps
+    panel.expect_place(ends(panel, text), 1e-6)
+    panel.expect_limits()
+    panel.expect_nothing_said()
+
+
+@scenario
+def abort_in_a_step(panel):
+    for begun in (False, True):
+        if begun:
+            panel.start(CORNERS)
+            panel.until_line(5)
+            panel.pause()
+            panel.until_it_stands()
+        else:
+            panel.load(CORNERS)
+            while not step_and_stand(panel):
+                pass
+        panel.step()
+        panel.until_it_moves()
+        begin = panel.mark()
+        panel.abort()
+        took = time_to_stand(panel, begin)
+        panel.note(f'stood {took:.3f} s after the command')
+        assert took < 1.5, took
+        panel.until_idle()
+        panel.mdi('G1 X0 Y0 Z0 A0 C0 F3000')
+        panel.expect_place([0] * 5, 1e-9)
+    panel.run(CORNERS)
+    panel.expect_place([0] * 5, 1e-9)
+    panel.expect_limits()
     panel.expect_nothing_said()
 
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <span>
@@ -26,10 +27,9 @@ class LivePlanner::State {
     double period_s() const { return period_s_; }
     double longest_plan_s() const { return longest_plan_s_; }
     void set_override(bool rapid, double factor) {
-        if (rapid != path_.tool_path().rapid || override_ == factor) return;
-        override_ = factor;
-        next_lift_ = 0;
+        if (rapid == path_.tool_path().rapid) set_pace({factor, pace_.largest_mm_s});
     }
+    void set_largest_speed(double mm_s) { set_pace({pace_.factor, mm_s}); }
     void hold() { held_ = true; }
     void resume();
     void set_single_block(bool on);
@@ -52,10 +52,22 @@ class LivePlanner::State {
     /// A braking that breaks limits by more has led to a dead end.
     static constexpr double dead_end = 1.02;
 
+    /// What is made of the programmed speed, or of a rapid's limits: so many times it, and no more than this of the
+    /// tip.
+    struct Pace {
+        double factor = 1;
+        double largest_mm_s = std::numeric_limits<double>::infinity();
+        bool operator==(const Pace&) const = default;
+        bool stands() const { return factor == 0 || largest_mm_s == 0; }
+        bool above(const Pace& other) const { return factor > other.factor || largest_mm_s > other.largest_mm_s; }
+        Pace or_faster(const Pace& other) const {
+            return {std::max(factor, other.factor), std::max(largest_mm_s, other.largest_mm_s)};
+        }
+    };
     /// What the commands ask for, and what the plan in hand was made for.
     struct Wish {
         bool stand = false;
-        double factor = 1;
+        Pace pace;
         bool single_block = false;
         bool operator==(const Wish&) const = default;
     };
@@ -63,7 +75,7 @@ class LivePlanner::State {
     struct Step {
         Cell cell;
         ProfilePiece piece;
-        double factor = 1;
+        Pace pace;
     };
     struct PlanInHand {
         Wish made_for;
@@ -102,12 +114,12 @@ class LivePlanner::State {
         double delay_mm = 0, compression = 1;
         bool blank = false;  // nothing of all this: the solver's own start
     };
-    /// What is tried: where to, up to where the old override counts, how suddenly, and a first guess of the speed.
+    /// What is tried: where to, up to where the old pace counts, how suddenly, and a first guess of the speed.
     struct Trial {
         PathPlace goal;
-        double factor = 1;
-        double old_factor_until_mm = -1;
-        double level_mm = std::numeric_limits<double>::infinity();  // cells where the new override begins to count
+        Pace pace;
+        double old_pace_until_mm = -1;
+        double level_mm = std::numeric_limits<double>::infinity();  // cells where the new pace begins to count
         double stop_mm = 0;                                         // > 0: cells as fine as a stop of that way needs
         bool stand = false;
         std::size_t window = 0;  // cells; 0: as many as longer ways take
@@ -122,7 +134,8 @@ class LivePlanner::State {
         std::optional<Descent> steep;  // the hardest braking; may lead to a dead end
     };
 
-    Wish wish() const { return {held_ || override_ == 0, override_, single_block_}; }
+    Wish wish() const { return {held_ || pace_.stands(), pace_, single_block_}; }
+    void set_pace(const Pace& pace);
     double present_s() const { return static_cast<double>(ticks_) * period_s_; }
     PathPlace standing_place() const;
     double end_mm() const { return grid_.distance_mm(standing_place()); }
@@ -147,15 +160,18 @@ class LivePlanner::State {
 
     std::size_t step_at(double time_s) const;
     Branch branch_at(double time_s) const;
-    double factor_in_hand(double p_mm) const;
-    double old_factor_until(const Branch& branch) const;
+    Pace pace_in_hand(double p_mm) const;
+    double old_pace_until(const Branch& branch) const;
     MovingStart state_in_hand(double p_mm) const;
     const Step* step_over(double p_mm) const;
 
-    void apply_override(double factor, Interval& interval) const;
-    Result<Interval> sample(const Cell& cell, double factor) const;
-    Result<Look> look_ahead(const Branch& branch, double factor) const;
-    Result<std::vector<Interval>> survey(const Branch& branch, double factor, double reach_mm) const;
+    double factor_of(const Pace& pace, std::size_t block) const;
+    bool means_the_same(const Wish& wish) const;
+    double fastest_tip(const Cell& cell) const;
+    void apply(const Pace& pace, const Cell& cell, Interval& interval) const;
+    Result<Interval> sample(const Cell& cell, const Pace& pace) const;
+    Result<Look> look_ahead(const Branch& branch, const Pace& pace) const;
+    Result<std::vector<Interval>> survey(const Branch& branch, const Pace& pace, double reach_mm) const;
     Result<std::optional<Descent>> first_stop(const Branch& branch, const Look& look) const;
     std::optional<Descent> later_stop(std::span<const Interval> intervals, const Branch& branch) const;
     bool is_exact(const Branch& branch, const Trial& trial) const;
@@ -179,7 +195,7 @@ class LivePlanner::State {
     LiveGrid grid_;
     WindowSolver solver_;
 
-    double override_ = 1;
+    Pace pace_;
     bool held_ = false, single_block_ = false;
     std::size_t ticks_ = 0, next_trial_ = 0, plans_ = 0;
     std::optional<PathPlace> end_;  // set_end()

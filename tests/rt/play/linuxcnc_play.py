@@ -103,25 +103,29 @@ class Display:
         with open(self.folder / 'out.txt', 'w') as out, open(self.folder / 'err.txt', 'w') as err:
             player = subprocess.Popen(self.scenario['words'], stdin=subprocess.PIPE, stdout=out, stderr=err, text=True)
             begin, steps = time.monotonic(), list(self.scenario.get('steps', []))
-            while player.poll() is None and time.monotonic() - begin < self.scenario.get('longest', 60):
-                self.record()
+            while (player.poll() is None or self.taken()) and time.monotonic() - begin < self.scenario.get('longest', 60):
+                self.record()  # also while a bridge has still to give the axes back
                 if steps and time.monotonic() - begin > steps[0][0]:
                     self.do(steps.pop(0)[1], player)
                 time.sleep(0.01)
             if player.poll() is None:
                 player.kill()
-            while self.hal.get_value('trunnion-play.ok-out') and time.monotonic() - begin < self.scenario.get('longest', 60):
-                self.record()  # the bridge has still to give the axes back
-                time.sleep(0.01)
         time.sleep(0.3)
         self.record()
         return player.returncode
+
+    def taken(self):
+        return bool(self.hal.get_value('trunnion-play.ok-out'))
 
     def do(self, step, player):
         if step == 'E-stop':
             self.command.state(self.linuxcnc.STATE_ESTOP)
         elif step == 'kill feeder':
             player.kill()
+        elif step == 'kill bridge':  # the older one of two
+            bridge = subprocess.run(['pgrep', '-o', '-U', str(os.getuid()), '-f', 'linuxcnc/bridge.py'], capture_output=True, text=True)
+            for one in bridge.stdout.split():
+                os.kill(int(one), signal.SIGKILL)
         elif step == 'kill planner':
             children = subprocess.run(['pgrep', '-P', str(player.pid), '-x', 'trunnion'], capture_output=True, text=True)
             os.kill(int(children.stdout.split()[0]), signal.SIGKILL)
@@ -133,7 +137,7 @@ class Display:
         self.make_ready()
         result = {'before': self.places(), 'status': self.play()}
         result.update(after=self.places(), on=self.stat.task_state == self.linuxcnc.STATE_ON,
-                      overruns=self.samples.num_overruns, taken=bool(self.hal.get_value('trunnion-play.ok-out')),
+                      overruns=self.samples.num_overruns, taken=self.taken(),
                       drives=[self.hal.get_value(f'trunnion-out-{j}.out') for j in range(5)])
         if result['on'] and not self.scenario.get('unhomed'):  # LinuxCNC goes on from there
             self.command.jog(self.linuxcnc.JOG_INCREMENT, True, 0, 20, 1.0)
@@ -264,9 +268,10 @@ def play_to_the_end(test):
 
 
 def play_under_commands(test):
-    result = test.run('commands', 'gentle-1.ngc', stand=test.stand('gentle-1.ngc'),
-                      steps=[(1.2, 'hold'), (2.0, 'resume'), (2.4, 'override 30'), (3.4, 'override 100')])
+    result = test.run('commands', 'gentle-1.ngc', more=('-o', 'FOLDER/rows.csv', '--depth', '300ms', '--wait'), stand=test.stand('gentle-1.ngc'),
+                      steps=[(2, 'start'), (2.3, 'hold'), (3.1, 'resume'), (3.3, 'override 30'), (4.3, 'override 100')])
     played, ratios = test.expect_played(result)
+    assert len(played) > 1700, f'{len(played)} rows: the commands did not count'
     print(f'hold and override: {len(played)} rows, peaks of the limits {ratios}')
     print(result['out'])
 
@@ -284,16 +289,38 @@ def kill_the_planner(test):
     print(f'planner killed: {len(played)} rows, peaks of the limits {ratios}')
 
 
+def expect_stopped(test, result, what):
+    """At the standstill of a plan, inside all limits, and LinuxCNC goes on from there."""
+    ratios = worst_ratios(result['samples'], test.PEER)
+    rows = without_standing(result['samples'])
+    print(f'{what}: {len(rows)} rows, peaks of the limits {ratios}')
+    assert max(ratios) < 1.001 and len(rows) > 1000, (ratios, len(rows))
+    test.expect_given_back(result, rows[-1])
+
+
 def kill_the_feeder(test):
     """What hands out the rows; the bridge plays the last plan to its standstill."""
     result = test.run('feeder', 'sine-10k.ngc', stand=test.stand('sine-10k.ngc'), steps=[(4, 'kill feeder')])
     assert result['status'] == -signal.SIGKILL, result['status']
-    ratios = worst_ratios(result['samples'], test.PEER)
-    assert max(ratios) < 1.001, ratios
-    rows = without_standing(result['samples'])
-    assert len(rows) > 3000, len(rows)
-    test.expect_given_back(result, rows[-1])
-    print(f'feeder killed: {len(rows)} rows, peaks of the limits {ratios}')
+    expect_stopped(test, result, 'feeder killed')
+
+
+def kill_the_bridge(test):
+    """The bridge that stands by goes on behind the rows that LinuxCNC holds."""
+    for at in (3.1, 4.7):
+        result = test.run('bridge', 'sine-10k.ngc', stand=test.stand('sine-10k.ngc'), more=('-o', 'FOLDER/rows.csv'),
+                          steps=[(at, 'kill bridge')])
+        assert result['status'] == 1 and 'RT0014' in result['err'], (result['status'], result['err'])
+        expect_stopped(test, result, f'bridge killed after {at} s')
+
+
+def kill_feeder_and_bridge(test):
+    """The one soon behind the other, and while LinuxCNC is taken to where the axes stand."""
+    for both in (4, 4.1), (4, 4.5), (2.2, 9):
+        result = test.run('both', 'sine-10k.ngc', stand=test.stand('sine-10k.ngc'),
+                          steps=[(both[0], 'kill feeder'), (both[1], 'kill bridge')])
+        assert result['status'] == -signal.SIGKILL, result['status']
+        expect_stopped(test, result, f'feeder and bridge killed after {both} s')
 
 
 def period_of_250_us(test):
@@ -344,8 +371,8 @@ def refuse_narrower_limits(test):
     refused(test, 'reach', 'PATH0102', reach=55, stand=[0, 0, 0, 0, 0])
 
 
-SCENARIOS = [play_to_the_end, play_under_commands, stop_in_the_middle, kill_the_planner, kill_the_feeder, period_of_250_us, press_estop, refuse_off,
-             refuse_unhomed, refuse_other_period, refuse_other_axes, refuse_other_place, refuse_narrower_limits]
+SCENARIOS = [play_to_the_end, play_under_commands, stop_in_the_middle, kill_the_planner, kill_the_feeder, kill_the_bridge, kill_feeder_and_bridge,
+             period_of_250_us, press_estop, refuse_off, refuse_unhomed, refuse_other_period, refuse_other_axes, refuse_other_place, refuse_narrower_limits]
 
 
 def main():

@@ -28,6 +28,20 @@ TEST(NothingMoves, IsRefusedBeforeAnythingIsPlanned) {
     EXPECT_EQ(motion.error().code, "PIPE0140");
 }
 
+TEST(NothingMoves, NoPartIsRefusedToo) {
+    struct NoPart final : program::ProgramParts {
+        Result<bool> next(program::Program&) override { return false; }
+    };
+    const machine::Machine machine = peer_machine();
+    NoPart parts, again;
+    const auto motion = pipeline::LiveMotion::make(parts, machine, {}, {}, 2);
+    ASSERT_FALSE(motion);
+    EXPECT_EQ(motion.error().code, "PIPE0140");
+    const auto checked = pipeline::check_way(again, machine, {}, {}, [](double) { return true; });
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().code, "PIPE0140");
+}
+
 TEST(NothingMoves, IsToldByTheCheckOfTheWay) {
     const machine::Machine machine = peer_machine();
     StandingPart parts(machine);

@@ -23,6 +23,8 @@ class Module {
         trunnion_reader_begin(&reader_, &memory.plans);
         memory.orders.period_s = period_s;
         memory.orders.feed_scale = 1;
+        memory.orders.run_through = TRUNNION_RUN_ALL;
+        memory.orders.largest_speed = 1e3;
         memory.format = TRUNNION_TP_FORMAT;
         at_.position[2] = 50;
     }
@@ -41,10 +43,10 @@ class Module {
         ASSERT_TRUE(trunnion_order_write(&memory_.orders, &order));
     }
     /// One servo period; whether a row came.
-    bool cycle() {
-        ++memory_.orders.cycles;
-        if (memory_.orders.answered != epoch_) return false;
-        trunnion_look(&reader_);
+    bool cycle(bool looks = true) {
+        memory_.orders.cycles = memory_.orders.cycles + 1;
+        if (!planner_answers()) return false;
+        if (looks) trunnion_look(&reader_);
         const trunnion_row* row = trunnion_next_row(&reader_);
         if (!row) return false;
         at_ = *row;
@@ -58,6 +60,18 @@ class Module {
     std::uint32_t epoch() const { return epoch_; }
 
   private:
+    /// Plans of an earlier epoch are given up, as trunnion_tp.c does.
+    bool planner_answers() {
+        const bool answered = memory_.orders.answered == epoch_;
+        if (answered && greeted_ == epoch_) return true;
+        const std::uint64_t newest = __atomic_load_n(&memory_.plans.published, __ATOMIC_ACQUIRE);
+        reader_.in_use = 0;
+        reader_.looked_at = newest;
+        __atomic_store_n(&memory_.plans.in_use, 0, __ATOMIC_RELAXED);
+        __atomic_store_n(&memory_.plans.looked_at, newest, __ATOMIC_RELEASE);
+        if (answered) greeted_ = epoch_;
+        return answered;
+    }
     trunnion_order order_to(const double (&end)[9], int kind) const {
         trunnion_order out{};
         out.kind = kind;
@@ -70,7 +84,7 @@ class Module {
     trunnion_reader reader_{};
     trunnion_row at_{};
     std::uint64_t number_ = 0;
-    std::uint32_t epoch_ = 0;
+    std::uint32_t epoch_ = 0, greeted_ = 0;
 };
 
 struct Served {
@@ -138,7 +152,7 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
         std::this_thread::sleep_for(std::chrono::microseconds(50));
     };
     for (int k = 0; k < 100000 && module.at().position[0] < 20; ++k) cycle();
-    orders.hold = 1;
+    orders.run_through = 0;
     orders.aborted = module.epoch();
     for (int k = 0; k < 100000 && orders.stopped != module.epoch(); ++k) cycle();
     for (int k = 0; k < 1000; ++k) cycle();
@@ -146,7 +160,7 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
     const double stood_at = module.at().position[0];
     EXPECT_GT(stood_at, 20);
     EXPECT_LT(stood_at, 60);
-    orders.hold = 0;
+    orders.run_through = TRUNNION_RUN_ALL;
     orders.aborted = 0;
     const std::uint64_t published = served.memory->plans.published;
     for (int k = 0; k < 200; ++k) cycle();
@@ -157,6 +171,73 @@ TEST(Serve, AbortStandsAndTheNextBeginGoesOn) {
     for (int k = 0; k < 5000; ++k) cycle();
     EXPECT_NEAR(module.at().position[0], 0, 1e-9);
     EXPECT_LE(check.worst(), 1.001);
+}
+
+TEST(Serve, StepsStandAtTheEndOfTheMove) {
+    Served served;
+    RowCheck check(served.workplace.machine);
+    check.note(served.axes_at(served.module.at()));
+    auto& module = served.module;
+    auto& orders = served.memory->orders;
+    orders.run_through = 0;
+    module.begin();
+    for (int k = 1; k <= 10; ++k) module.line({10.0 * k, k % 2 * 5.0, 50, 0, 2.0 * k}, 50);
+    const auto run_through = [&](std::uint64_t number) {
+        for (int k = 0, stood = 0; k < 200000 && (stood < 300 || orders.done_through < number); ++k) {
+            const bool came = module.cycle();
+            stood = came ? 0 : stood + 1;
+            if (came) check.note(served.axes_at(module.at()));
+            std::this_thread::sleep_for(std::chrono::microseconds(20));
+        }
+    };
+    run_through(0);
+    EXPECT_EQ(check.rows(), 1u);
+    for (const std::uint64_t step : {1, 2, 3}) {
+        orders.run_through = step;
+        run_through(step);
+        EXPECT_EQ(orders.done_through, step);
+        EXPECT_EQ(module.at().line, static_cast<std::int64_t>(step));
+        EXPECT_NEAR(module.at().position[0], 10.0 * static_cast<double>(step), 0.02);
+        orders.run_through = 0;
+        run_through(step);
+    }
+    orders.run_through = TRUNNION_RUN_ALL;
+    run_through(10);
+    EXPECT_TRUE(module.done());
+    EXPECT_NEAR(module.at().position[0], 100, 1e-9);
+    EXPECT_LE(check.worst(), 1.001);
+}
+
+/// As where LinuxCNC leaves coordinated mode under way: no row is taken, and the next program is begun soon.
+TEST(Serve, ABeginIsAnsweredThoughThePlanBeforeWasNotLookedAt) {
+    Served served;
+    auto& module = served.module;
+    auto& orders = served.memory->orders;
+    module.begin();
+    module.line({100, 0, 50, 0, 0}, 50);
+    for (int k = 0; k < 100000 && module.at().position[0] < 5; ++k) {
+        module.cycle();
+        std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+    orders.run_through = 0;  // a plan is made that nobody looks at
+    const std::uint64_t published = served.memory->plans.published;
+    for (int k = 0; k < 1000 && served.memory->plans.published == published; ++k) {
+        module.cycle(false);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_NE(served.memory->plans.published, published);
+    module.begin();
+    int waited_ms = 0;
+    for (; waited_ms < 3000 && orders.answered != module.epoch(); ++waited_ms)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_LT(waited_ms, 1000);
+    orders.run_through = TRUNNION_RUN_ALL;
+    module.line({0, 0, 50, 0, 0}, 50, trunnion_joint_stop);
+    for (int k = 0; k < 200000 && !(module.done() && module.at().position[0] < 1e-9); ++k) {
+        module.cycle();
+        std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+    EXPECT_NEAR(module.at().position[0], 0, 1e-9);
 }
 
 TEST(Serve, TellsWhatCannotBePlanned) {

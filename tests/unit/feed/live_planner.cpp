@@ -224,6 +224,51 @@ TEST(LivePlanner, ALoweredOverrideHoldsAsSoonAsTheLimitsAllow) {
     }
 }
 
+TEST(LivePlanner, ALargestSpeedCountsAsSoonAsTheLimitsAllow) {
+    const Stretch path = straight({100, 0, 0, 0, 0}, 100, trunnion_limits(), {FeedRule::tip_speed, 60});
+    LiveDrive drive(path);
+    for (int k = 0; k < 700; ++k) drive.tick();
+    const std::size_t plans = drive.planner().plans();
+    ASSERT_TRUE(drive.planner().set_largest_speed(70));  // changes nothing
+    drive.tick();
+    EXPECT_EQ(drive.planner().plans(), plans);
+    ASSERT_TRUE(drive.planner().set_largest_speed(15));
+    const double shortest = 2 * std::sqrt(45 / 5000.0);
+    for (int k = 0; k < 2 + static_cast<int>(1.15 * shortest / period); ++k) drive.tick();
+    for (int k = 0; k < 100; ++k) {
+        drive.tick();
+        EXPECT_LE(drive.tip_feed(), allowed * 15);
+    }
+    EXPECT_NEAR(drive.tip_feed(), 15, 0.15);
+    ASSERT_TRUE(drive.planner().set_feed_override(2));  // the tip stays below
+    for (int k = 0; k < 100; ++k) drive.tick();
+    EXPECT_NEAR(drive.tip_feed(), 15, 0.15);
+    ASSERT_TRUE(drive.planner().set_largest_speed(0));
+    drive.run_until_standing();
+    EXPECT_EQ(drive.state().status, LiveStatus::holding);
+    ASSERT_TRUE(drive.planner().set_largest_speed(90));
+    double fastest = 0;
+    while (drive.tick()) fastest = std::max(fastest, drive.tip_feed());
+    EXPECT_NEAR(fastest, 90, 0.1);
+    expect_finished(drive, path);
+}
+
+TEST(LivePlanner, ALargestSpeedHoldsForRapidsAndBlockTimesAndNotForTurns) {
+    const auto fastest = [](Stretch path, bool rapid) {
+        path.tool_path.rapid = rapid;
+        LiveDrive drive(path);
+        EXPECT_TRUE(drive.planner().set_largest_speed(30));
+        double out = 0;
+        while (drive.tick()) out = std::max(out, drive.state().speed_mm_s);
+        expect_finished(drive, path);
+        return out;
+    };
+    EXPECT_NEAR(fastest(straight({300, 0, 0, 0, 0}, 300, trunnion_limits()), true), 30, 0.03);
+    EXPECT_NEAR(fastest(straight({300, 0, 0, 0, 0}, 300, trunnion_limits(), {FeedRule::block_time, 2}), false), 30,
+                0.03);
+    EXPECT_GT(fastest(straight({0, 0, 0, 1, 0}, 60, trunnion_limits(), {FeedRule::rotary_rate, 3}), false), 31);
+}
+
 TEST(LivePlanner, RapidsFollowTheirOwnOverride) {
     Stretch path = straight({300, 0, 0, 0, 0}, 300, trunnion_limits());
     path.tool_path.rapid = true;
@@ -307,6 +352,8 @@ void command(LivePlanner& planner, Random& random) {
         ASSERT_TRUE(planner.set_feed_override(factor));
     else if (which < 0.45)
         ASSERT_TRUE(planner.set_feed_override(which < 0.38 ? 0 : 1));
+    else if (which < 0.5)
+        ASSERT_TRUE(planner.set_largest_speed(100 * factor));
     else if (which < 0.6)
         planner.hold();
     else if (which < 0.85)
@@ -329,6 +376,7 @@ void drive_under_random_commands(const Stretch& path, std::uint64_t seed, double
     }
     drive.planner().set_single_block(false);
     ASSERT_TRUE(drive.planner().set_feed_override(1));
+    ASSERT_TRUE(drive.planner().set_largest_speed(std::numeric_limits<double>::infinity()));
     for (int k = 0; k < 1000000 && drive.state().status != LiveStatus::finished; ++k) {
         if (drive.state().status == LiveStatus::holding) drive.planner().resume();
         drive.planner().resume();
@@ -388,6 +436,8 @@ TEST(LivePlanner, BadInputIsRefused) {
         EXPECT_EQ(code(planner->set_rapid_override(factor)), "FEED0010");
     }
     EXPECT_EQ(code(planner->set_rapid_override(1.01)), "FEED0010");
+    EXPECT_EQ(code(planner->set_largest_speed(-1)), "FEED0010");
+    EXPECT_EQ(code(planner->set_largest_speed(nan)), "FEED0010");
     EXPECT_EQ(code(planner->set_feed_override(2)), "none");
     const Stretch no_feed = straight({100, 0, 0, 0, 0}, 100, trunnion_limits(), {FeedRule::tip_speed, 0});
     EXPECT_EQ(code(LivePlanner::make(*no_feed.axis_path, {}, 1e-3)), "FEED0008");

@@ -1,10 +1,13 @@
 #include "trunnion/files/output_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -88,6 +91,25 @@ TEST_F(OutputFileTest, has_no_name_until_it_is_complete) {
     EXPECT_EQ(files_there(), 0u);
     ASSERT_TRUE(file->commit());
     EXPECT_EQ(std::filesystem::file_size(folder_ / "a.csv"), 1u << 20);
+}
+
+/// What ends the program at once, at any moment, leaves no temporary name of a file that was not there before.
+TEST_F(OutputFileTest, a_new_file_never_has_another_name) {
+    const int watch = ::inotify_init1(IN_NONBLOCK);
+    ASSERT_GE(::inotify_add_watch(watch, folder_.c_str(), IN_CREATE | IN_MOVE), 0);
+    auto file = OutputFile::create(folder_ / "a.csv");
+    file->write("one");
+    ASSERT_TRUE(file->commit());
+    alignas(inotify_event) std::array<char, 4096> bytes{};
+    const auto got = static_cast<std::size_t>(std::max<ssize_t>(::read(watch, bytes.data(), bytes.size()), 0));
+    ::close(watch);
+    int names = 0;
+    for (std::size_t at = 0; at < got; ++names) {
+        const auto* const event = reinterpret_cast<const inotify_event*>(bytes.data() + at);
+        EXPECT_STREQ(event->name, "a.csv");
+        at += sizeof(inotify_event) + event->len;
+    }
+    EXPECT_EQ(names, 1);
 }
 
 TEST_F(OutputFileTest, takes_the_place_of_what_a_killed_program_left) {

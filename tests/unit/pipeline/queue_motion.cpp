@@ -7,6 +7,7 @@
 
 #include "trunnion/base/quantity.hpp"
 #include "trunnion/files/machine_file.hpp"
+#include "trunnion/machine/kinematics.hpp"
 
 namespace trunnion::test {
 namespace {
@@ -114,7 +115,7 @@ class QueueDrive {
     LiveMotionStatus last_ = LiveMotionStatus::waiting;
 };
 
-constexpr double in_limits = 1.001;
+constexpr double in_limits = 1.001, tip_tolerance_mm = 0.02;
 
 TEST(QueueMotion, GoesOnWhileMovesComeIn) {
     constexpr int all = 1900;
@@ -215,6 +216,33 @@ TEST(QueueMotion, HoldsAndGoesOn) {
     EXPECT_LE(drive.worst(), in_limits);
 }
 
+/// The largest speed counts for moves that are queued, and on a leg that is begun later; turns do not follow it.
+TEST(QueueMotion, KeepsALargestSpeed) {
+    QueueDrive drive({});
+    drive.motion().add(line(1, 100, 0));
+    QueuedMove rapid = line(2, 0, 0), turn = line(3, 0, 0, 0.5);
+    rapid.rapid = true;
+    turn.feed = {program::FeedRule::rotary_rate, 1};
+    drive.motion().add(rapid);
+    drive.motion().add(turn);
+    drive.motion().close();
+    for (int k = 0; k < 500; ++k) drive.tick();
+    drive.motion().set_largest_speed(20);
+    for (int k = 0; k < 300; ++k) drive.tick();
+    const std::size_t slow = drive.rows().size();
+    drive.run_until_waiting();
+    double fastest = 0, turns = 0;
+    for (std::size_t k = slow; k < drive.rows().size(); ++k) {
+        const auto &at = drive.rows()[k].position, &was = drive.rows()[k - 1].position;
+        if (drive.rows()[k].line < 3) fastest = std::max(fastest, std::abs(at[0] - was[0]) / period_s);
+        turns = std::max(turns, std::abs(at[3] - was[3]) / period_s);
+    }
+    EXPECT_LE(fastest, 20 * in_limits);
+    EXPECT_GT(fastest, 19.9);
+    EXPECT_GT(turns, 0.5);
+    EXPECT_LE(drive.worst(), in_limits);
+}
+
 /// Plans that came too late are taken back: the one before goes on, row by row, and the next trial counts farther
 /// ahead.
 TEST(QueueMotion, GoesOnWhereLongerPlansCameTooLate) {
@@ -244,6 +272,74 @@ TEST(QueueMotion, AHoldDoesNotWaitForALongerWay) {
     int ticks = 0;
     while (drive.tick() == LiveMotionStatus::moving && ticks < 3000) ++ticks;
     EXPECT_LT(ticks, 600);
+    EXPECT_LE(drive.worst(), in_limits);
+}
+
+/// How far the tip is from a move's end.
+double off_mm(const LiveRow& row, const QueuedMove& move) {
+    const auto kinematics = *machine::Kinematics::make(table(), {}, 0);
+    return (kinematics.forward(row.position).tip_in_workpiece_mm - move.end.tip_mm).norm();
+}
+
+/// Corners that are rounded, a turn on the spot, an exact stop and a rapid, stepped through from the begin.
+TEST(QueueMotion, StepsFromMoveToMove) {
+    std::vector<QueuedMove> moves{
+        line(1, 20, 0), line(2, 20, 20, 0.1), line(3, 20, 20, 0.2, 0.5), line(4, 0, 20, 0.1, 0.2), line(5, 0, 0),
+        line(6, 30, 0), line(7, 30, 5)};
+    moves[3].exact_stop = true;
+    moves[5].rapid = true;
+    QueueDrive drive({});
+    for (const QueuedMove& move : moves) drive.motion().add(move);
+    drive.motion().close();
+    drive.motion().hold();
+    for (int k = 0; k < 10; ++k) drive.tick();
+    EXPECT_EQ(drive.standstills(), 0);
+    for (const QueuedMove& move : moves) {
+        drive.motion().step_through(move.number);
+        drive.motion().resume();
+        for (int k = 0; k < 5000 && drive.tick() != LiveMotionStatus::moving; ++k) {}
+        for (int k = 0; k < 5000 && drive.tick() == LiveMotionStatus::moving; ++k) {}
+        for (int k = 0; k < 200; ++k) EXPECT_NE(drive.tick(), LiveMotionStatus::moving);
+        EXPECT_EQ(drive.motion().done_at_standstill(), move.number);
+        EXPECT_EQ(drive.rows().back().line, move.number);
+        EXPECT_LE(off_mm(drive.rows().back(), move), tip_tolerance_mm) << move.number;
+        drive.motion().hold();
+        for (int k = 0; k < 50; ++k) EXPECT_NE(drive.tick(), LiveMotionStatus::moving);
+    }
+    EXPECT_EQ(drive.standstills(), static_cast<int>(moves.size()));
+    EXPECT_LE(drive.worst(), in_limits);
+}
+
+/// In the middle of a run: a step goes to the end of the present move, or of the next one that can be met; behind some
+/// of them it runs on, also where moves have come meanwhile, without one more standstill.
+TEST(QueueMotion, StepsUnderWayAndRunsOn) {
+    QueueDrive drive(wave(0).end);
+    for (int k = 1; k <= 400; ++k) drive.motion().add(wave(k));
+    drive.motion().close();
+    for (int k = 0; k < 400; ++k) drive.tick();
+    for (int step = 0; step < 5; ++step) {
+        const int line = step == 0 ? drive.rows().back().line : drive.motion().done_at_standstill() + 1;
+        drive.motion().step_through(line);
+        drive.motion().resume();
+        for (int k = 0; k < 3000; ++k) drive.tick();
+        const int stood = drive.rows().back().line;
+        EXPECT_EQ(drive.motion().done_at_standstill(), stood);
+        EXPECT_LE(off_mm(drive.rows().back(), wave(stood)), tip_tolerance_mm);
+        EXPECT_EQ(drive.standstills(), step + 1);
+        EXPECT_TRUE(stood == line || step == 0) << stood;
+    }
+    EXPECT_LT(drive.rows().back().line, 200);
+    for (int k = 401; k <= 1900; ++k) drive.motion().add(wave(k));
+    drive.motion().close();
+    drive.motion().step_through(drive.rows().back().line + 1);
+    drive.motion().resume();
+    for (int k = 0; k < 3000; ++k) drive.tick();
+    EXPECT_EQ(drive.standstills(), 6);
+    drive.motion().step_through(std::nullopt);
+    drive.motion().resume();
+    drive.run_until_waiting();
+    EXPECT_EQ(drive.motion().done_at_standstill(), 1900);
+    EXPECT_EQ(drive.standstills(), 7);
     EXPECT_LE(drive.worst(), in_limits);
 }
 

@@ -38,7 +38,7 @@ struct SamePath {
 /// taken only when it passed the same check as the plans of FeedPlanner: all axis limits and feed × override to 1.0004.
 /// Where no new plan is found the old one is kept, and the next tick tries again.
 ///
-/// An override that is lowered holds from the nearest place on from which it can be held, found to a few percent of the
+/// An override or a largest speed that is lowered holds from the nearest place on from which it can be held, found to a few percent of the
 /// way; up to there the old one counts. A hold stands still within two periods and 1.2 × the time of the shortest stop
 /// along the path: where the axes run straight within 1.03 × of it. The place is found by shooting along the path, is
 /// planned like any other motion, and in corners is brought nearer in the ticks that follow.
@@ -64,6 +64,9 @@ class LivePlanner {
     /// Factor of the velocity limits of a stretch that is a rapid, 0…1; others do not follow it. 0: holds until it is
     /// raised. Errors: FEED0010 outside its range.
     Result<void> set_rapid_override(double factor);
+    /// Largest speed of the tip, whatever is programmed and whatever the override, on rapids too; infinite at first. Moves
+    /// that only turn do not follow it. 0: holds until it is raised. Errors: FEED0010 below 0.
+    Result<void> set_largest_speed(double mm_s);
     /// Stops as soon as the limits allow, and stands until resume().
     void hold();
     /// Ends a hold, also one that still brakes, and goes on behind a single block.
@@ -105,8 +108,8 @@ class LivePlanner {
     /// where blocks were added to the end of a queue while the first ones are being run. Where the plan in hand stands
     /// within the same pieces it is taken over as it is, and the ticks to come make it longer; else it is left before
     /// them, at least two periods ahead, for one towards `end` (see set_end()). None where that cannot be: this one
-    /// goes on as it would. `other` must outlive what comes back. Cost: as make(), and in the second case a window or
-    /// two. Errors: as make().
+    /// goes on as it would; so while a single block is under way. `other` must outlive what comes back. Cost: as
+    /// make(), and in the second case a window or two. Errors: as make().
     Result<std::optional<LivePlanner>> gone_on_along(const path::AxisPath& other, const FeedOptions& options,
                                                      const SamePath& same,
                                                      std::optional<path::PathPlace> end = {}) const;

@@ -69,8 +69,14 @@ class QueueMotion : public LiveRows {
 
     /// As LiveMotion; 0…2, for rapids up to 1.
     void set_override(double factor);
+    /// Of the tip, as LivePlanner::set_largest_speed(). Precondition: not below 0.
+    void set_largest_speed(double mm_s);
     void hold();
     void resume();
+    /// Step by step: moves up to this one may be run, each to a standstill at its end (LivePlanner::set_single_block()
+    /// says where that is), and none behind it is begun. One whose end cannot be met any more is run over. None: all
+    /// moves as they come.
+    void step_through(std::optional<std::int32_t> number);
 
     /// One period on; `waiting`: stands, and nothing to move is there (or not enough to begin). Errors, nothing moves
     /// any more then: those of path building and planning, with the number of the move as line.
