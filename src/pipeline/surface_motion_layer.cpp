@@ -1,6 +1,7 @@
 #include "detail/surface_motion_layer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -95,15 +96,27 @@ Result<void> SurfacePassLayer::move_on() {
     return {};
 }
 
-/// The front from border to border in u.
+/// The front from border to border in u. Where it folds over in a hollow the branch that is least far counts; beyond
+/// its ends it goes on straight.
 SurfacePlaces SurfacePassLayer::at_even_u(const SurfacePlaces& moved) const {
-    SurfacePlaces out;
-    std::size_t k = 0;
-    for (const SurfacePlace& even : along_border(0)) {
-        while (k + 2 < moved.size() && moved[k + 1].u < even.u) ++k;
-        const double share = (even.u - moved[k].u) / (moved[k + 1].u - moved[k].u);
-        out.push_back({even.u, moved[k].v + share * (moved[k + 1].v - moved[k].v)});
+    SurfacePlaces out = along_border(std::numeric_limits<double>::infinity());
+    const auto v_at = [](const SurfacePlace& a, const SurfacePlace& b, double u) {
+        return a.v + (u - a.u) / (b.u - a.u) * (b.v - a.v);
+    };
+    for (std::size_t k = 0; k + 1 < moved.size(); ++k) {
+        const SurfacePlace &a = moved[k], &b = moved[k + 1];
+        const auto [low, high] = std::minmax(a.u, b.u);
+        if (!(low < high)) continue;
+        for (auto even = std::ranges::lower_bound(out, low, {}, &SurfacePlace::u); even != out.end() && even->u <= high;
+             ++even)
+            even->v = std::min(even->v, v_at(a, b, even->u));
     }
+    const auto reached = [](const SurfacePlace& place) { return std::isfinite(place.v); };
+    const auto first = std::ranges::find_if(out, reached);
+    if (out.end() - first < 2) return moved;
+    for (auto even = out.begin(); even != first; ++even) even->v = v_at(first[0], first[1], even->u);
+    for (auto even = first; even != out.end(); ++even)
+        if (!reached(*even)) even->v = v_at(even[-2], even[-1], even->u);
     return out;
 }
 

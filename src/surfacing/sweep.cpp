@@ -312,12 +312,15 @@ class Sweeper {
         StepBracket known;
         double step = first;
         const bool by_rule = job_.options.strategy == Strategy::lin_koren;
+        // What the rule leaves where it is exact is not corrected for what measuring is off.
+        const double bearable =
+            by_rule ? std::min((1 + 0.1 * ridge_accuracy) * wanted, job_.options.scallop_mm) : wanted;
         bool last = false;
         for (int attempt = 0;; ++attempt) {
             auto next = laid(way, index, nodes, step, aim);
             if (!next || !*next) return next;
             const Ridges& ridges = (*next)->ridges;
-            const bool low_enough = ridges.highest <= (by_rule ? 1 + 0.5 * ridge_accuracy : 1) * wanted;
+            const bool low_enough = ridges.highest <= bearable;
             const bool close = low_enough && (by_rule || ridges.highest > wanted * (1 - 2 * ridge_accuracy));
             if (by_rule && attempt == 0 && !low_enough) tell_rule(ridges);
             if (!last && !close && !(low_enough && attempt + 1 >= most_attempts)) {

@@ -61,7 +61,7 @@ class Follower:
         subprocess.run(['cmake', '--install', build, '--prefix', self.prefix], check=True, stdout=subprocess.DEVNULL)
         self.here = folder / 'home' / 'work'
         self.here.mkdir(parents=True)
-        shutil.copy(__file__, folder / 'operator.py')
+        shutil.copy(__file__, folder / 'at_the_machine.py')
         subprocess.run(['chmod', 'a+rx', folder], check=True)
         subprocess.run(['chown', '-R', USER, folder / 'home'], check=True)
         self.environment = {'HOME': str(folder / 'home'), 'USER': USER, 'PATH': f'{self.prefix}/bin:/usr/bin:/bin:/usr/sbin', 'TERM': 'dumb'}
@@ -77,7 +77,7 @@ class Follower:
         return out
 
     def operate(self, what):
-        out = json.loads(self.output(['/usr/bin/python3', str(self.folder / 'operator.py'), '--operate', what]).splitlines()[-1])
+        out = json.loads(self.output(['/usr/bin/python3', str(self.folder / 'at_the_machine.py'), '--operate', what]).splitlines()[-1])
         assert not out['said'], out['said']
         return out
 
