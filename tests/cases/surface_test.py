@@ -143,6 +143,9 @@ with tempfile.TemporaryDirectory() as name:
             if machined == '1' else []), '-o', folder / 'q.csv', '--summary', summary, '--quiet')
         if json.loads(summary.read_text())['surface']['part'] != {'faces': 3, 'in_part': None}:
             sys.exit(summary.read_text())
+    # Fronts that fold over in hollows have corners; their curves stay within the face (INTP0002).
+    run('surface', 'run', examples / '09_surface' / 'hills.toml', '--ahead', '--strategy', 'lin-koren', '--scallop', '200um', '--tool', 'ball 6mm',
+        '-m', 'trunnion-bc', '--period', '10ms', '-o', folder / 'q.csv', '--quiet')
     # Under a lid: less than half of the face left out is usable, more is not.
     for wide, status in (6, 0), (30, 1):
         (folder / 'lid.toml').write_text(flat + '[[surface]]\nside = "against"\ncoefficients_mm = [[[-10, -10, 6], [0, 60, 0]], '
