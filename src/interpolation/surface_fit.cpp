@@ -167,7 +167,8 @@ Result<BsplineCurve> fit_places(const geometry::BsplineSurface& surface, std::sp
                      .limit = "2"});
     const std::size_t all = line.size();
     const int degree = std::min(fullest_degree, static_cast<int>(all) - 1);
-    // With fewer than two places an interval of knots the ends are hardly determined: the curve runs off between places.
+    // With fewer than two places an interval of knots the ends are hardly determined: the curve runs off between
+    // places.
     const std::size_t most = all / 2 + static_cast<std::size_t>(degree);
     constexpr std::size_t fewest = 8;
     for (std::size_t points = std::min(all, fewest); points < all && points <= most; points += points / 3) {

@@ -82,7 +82,7 @@ def test_period_by_period(profile, stretch, trt):
     assert [s['line'] for s in states] == sorted(s['line'] for s in states)
 
 
-def test_the_operator(stretch, profile, trt):
+def test_the_operator(stretch, profile, trt, setup):
     planner, axes = trunnion.LivePlanner(stretch), []
     for _ in range(400):
         axes.append(planner.tick()['axes'])
@@ -96,6 +96,11 @@ def test_the_operator(stretch, profile, trt):
     fastest = profile.state(np.arange(0, profile.duration_s, PERIOD))[:, 1].max()
     assert 0 < max(s['speed_mm_s'] for s in slow[300:]) < 0.3 * fastest
     planner.set_feed_override(1)
+    planner.set_largest_speed(0.2 * fastest)
+    capped = [planner.tick() for _ in range(400)]
+    tips = trt.forward(np.array([s['axes'] for s in capped[200:]]), setup)[0]
+    assert 0.19 < np.linalg.norm(np.diff(tips, axis=0), axis=1).max() / PERIOD / fastest < 0.2001
+    planner.set_largest_speed(1e6)
     planner.set_single_block(True)
     stop = moved(planner)
     assert stop[-1]['status'] == 'holding'
@@ -104,7 +109,7 @@ def test_the_operator(stretch, profile, trt):
     planner.resume()
     rest = moved(planner)
     assert rest[-1]['status'] == 'finished'
-    axes += [s['axes'] for s in [*held, *slow, *stop, *rest]]
+    axes += [s['axes'] for s in [*held, *slow, *capped, *stop, *rest]]
     assert max(largest_ratios(np.array(axes), trt)) <= 1.001
 
 
@@ -112,6 +117,7 @@ def test_what_is_refused(stretch, profile, waves, trt):
     planner = trunnion.LivePlanner(stretch)
     for code, name, call in [('FEED0010', '', lambda: planner.set_feed_override(3)),
                              ('FEED0010', '', lambda: planner.set_rapid_override(-1)),
+                             ('FEED0010', '', lambda: planner.set_largest_speed(-1)),
                              ('PY0002', 'factor', lambda: planner.set_feed_override(float('nan'))),
                              ('PY0001', 'on', lambda: planner.set_single_block(1)),
                              ('FEED0011', '', lambda: trunnion.LivePlanner(stretch, period_s=0)),

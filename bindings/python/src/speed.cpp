@@ -221,6 +221,17 @@ Raises
 Error
     FEED0010 outside its range; PY0001, PY0002.)";
 
+constexpr const char* set_largest_speed_doc = R"(set_largest_speed($self, /, mm_s)
+--
+
+Largest speed of the tip, mm/s, whatever is programmed and whatever the override; none at first. Moves that only turn do
+not follow it. 0 holds until it is raised.
+
+Raises
+------
+Error
+    FEED0010 below 0; PY0001, PY0002.)";
+
 constexpr const char* set_single_block_doc = R"(set_single_block($self, /, on)
 --
 
@@ -283,6 +294,12 @@ void bind_live_planner(py::module_& module) {
                 value_of(self.planner.set_rapid_override(number_of(factor, "factor")));
             },
             py::arg("factor"), set_rapid_override_doc)
+        .def(
+            "set_largest_speed",
+            [](BoundLivePlanner& self, py::handle mm_s) {
+                value_of(self.planner.set_largest_speed(number_of(mm_s, "mm_s")));
+            },
+            py::arg("mm_s"), set_largest_speed_doc)
         .def(
             "hold", [](BoundLivePlanner& self) { self.planner.hold(); },
             "hold($self, /)\n--\n\nStops as soon as the limits allow, and stands until resume().")

@@ -17,9 +17,13 @@ namespace {
 
 thread_local std::size_t allocations = 0;
 
-void* counted(std::size_t size) {
+void* counted_or_null(std::size_t size) noexcept {
     ++allocations;
-    if (void* out = std::malloc(size)) return out;
+    return std::malloc(size);
+}
+
+void* counted(std::size_t size) {
+    if (void* out = counted_or_null(size)) return out;
     throw std::bad_alloc();
 }
 
@@ -30,6 +34,12 @@ void* operator new(std::size_t size) {
 }
 void* operator new[](std::size_t size) {
     return counted(size);
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {  // std::stable_sort's
+    return counted_or_null(size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+    return counted_or_null(size);
 }
 void operator delete(void* p) noexcept {
     std::free(p);

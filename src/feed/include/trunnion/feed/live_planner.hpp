@@ -38,10 +38,10 @@ struct SamePath {
 /// taken only when it passed the same check as the plans of FeedPlanner: all axis limits and feed × override to 1.0004.
 /// Where no new plan is found the old one is kept, and the next tick tries again.
 ///
-/// An override or a largest speed that is lowered holds from the nearest place on from which it can be held, found to a few percent of the
-/// way; up to there the old one counts. A hold stands still within two periods and 1.2 × the time of the shortest stop
-/// along the path: where the axes run straight within 1.03 × of it. The place is found by shooting along the path, is
-/// planned like any other motion, and in corners is brought nearer in the ticks that follow.
+/// An override or a largest speed that is lowered holds from the nearest place on from which it can be held, found to a
+/// few percent of the way; up to there the old one counts. A hold stands still within two periods and 1.2 × the time of
+/// the shortest stop along the path: where the axes run straight within 1.03 × of it. The place is found by shooting
+/// along the path, is planned like any other motion, and in corners is brought nearer in the ticks that follow.
 ///
 /// Works on one stretch; memory is a window of intervals, and 50 bytes for every interval of the stretch. Planning is
 /// done inside tick(), which is therefore not real-time safe: a control keeps setpoints ready for as long as planning
@@ -64,8 +64,8 @@ class LivePlanner {
     /// Factor of the velocity limits of a stretch that is a rapid, 0…1; others do not follow it. 0: holds until it is
     /// raised. Errors: FEED0010 outside its range.
     Result<void> set_rapid_override(double factor);
-    /// Largest speed of the tip, whatever is programmed and whatever the override, on rapids too; infinite at first. Moves
-    /// that only turn do not follow it. 0: holds until it is raised. Errors: FEED0010 below 0.
+    /// Largest speed of the tip, whatever is programmed and whatever the override, on rapids too; infinite at first.
+    /// Moves that only turn do not follow it. 0: holds until it is raised. Errors: FEED0010 below 0.
     Result<void> set_largest_speed(double mm_s);
     /// Stops as soon as the limits allow, and stands until resume().
     void hold();

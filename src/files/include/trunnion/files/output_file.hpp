@@ -12,8 +12,8 @@ struct gzFile_s;
 
 namespace trunnion::files {
 
-/// A file that appears when it is complete and on the disk, or not at all; what it replaces is replaced by rename. A name that ends in `.gz` is
-/// compressed. What is there and no regular file (a device, a pipe) is written to as it is.
+/// A file that appears when it is complete and on the disk, or not at all; what it replaces is replaced by rename. A
+/// name that ends in `.gz` is compressed. What is there and no regular file (a device, a pipe) is written to as it is.
 ///
 /// Until commit() the bytes are in a file without a name, so that nothing is left of them when the program is killed
 /// or the power fails; what had the name before stays whole. Where the file system has no such files, they are in

@@ -16,8 +16,8 @@ namespace trunnion::surfacing {
 ///   ends within 0.05 mm of that on the next one, normals within 15°, the pass goes on over their border.
 /// - constant_scallop: faces that share borders, with normals within 1° all along, are machined as one, from the middle
 ///   of the first of them: passes run on over these borders, which have none of their own. Where the march does not get
-///   all over them, or the plan would be refused, each face has passes of its own, as below. A ring of faces is cut open
-///   at one of its borders.
+///   all over them, or the plan would be refused, each face has passes of its own, as below. A ring of faces is cut
+///   open at one of its borders.
 /// - the other strategies: face by face, each from its own middle or border, passes not joined; a border that two faces
 ///   share smoothly has its pass once.
 ///
